@@ -1,0 +1,116 @@
+"""The one table of arrays: name, extents, kind, unit, natural scale, meaning.
+
+Everything that allocates, files, checks or documents an array reads it from here.
+Shapes are written with extents (`EXTENTS`); component axes come first: ``(3, particle)``.
+
+Kinds: ``real`` follows the precision policy, ``position`` is float64 under ``mixed``,
+``int`` is int32. ``scale`` names the entry of `State.scales` that makes a difference in
+this field large or small (see `melt.check`); integers compare exactly.
+"""
+
+from typing import NamedTuple
+
+#: Every extent that a shape may name, and what it counts.
+EXTENTS = {
+    "particle": "particles of all phases, inactive slots included (fixed for a run)",
+    "neighbour": "capacity of a particle's neighbour list",
+    "cell": "cells of the neighbour grid + 2 (the last range holds inactive particles)",
+    "chunk": "pieces of 256 elements that scans and sums over particles or cells go through",
+    "node": "nodes of the KD-tree (one per particle)",
+    "site": "lattice sites that ever held a solid particle, plus spare ones for freezing",
+    "link": "27 voxel offsets of a direct neighbour, itself at 13",
+    "region": "(2w+1)^3 offsets of a shape matching region",
+    "material": "materials of the scene",
+    "heater": "heaters of the scene",
+    "reduction": "64 partial results of a fixed-shape reduction",
+}
+
+
+class Field(NamedTuple):
+    name: str
+    shape: tuple
+    kind: str
+    unit: str
+    scale: str
+    meaning: str
+
+
+def _f(name, shape, kind, unit, scale, meaning):
+    return Field(name, tuple(shape.split()), kind, unit, scale, meaning)
+
+
+_TABLE = [
+    # particles
+    _f("id", "particle", "int", "1", "", "permanent number of the particle"),
+    _f("phase", "particle", "int", "1", "", "0 liquid, 1 solid, 2 wall, 3 bubble, 4 vapour, 5 inactive"),
+    _f("material", "particle", "int", "1", "", "row of the material table"),
+    _f("site", "particle", "int", "1", "", "lattice site of a (once) solid particle, -1 for none"),
+    _f("position", "3 particle", "position", "m", "spacing", "position"),
+    _f("position_next", "3 particle", "position", "m", "spacing", "position after the pass (double buffer)"),
+    _f("velocity", "3 particle", "real", "m/s", "speed", "velocity"),
+    _f("velocity_next", "3 particle", "real", "m/s", "speed", "velocity after the pass (double buffer)"),
+    _f("force", "3 particle", "real", "N", "force", "force on the particle"),
+    _f("mass", "particle", "real", "kg", "mass", "mass"),
+    _f("rest_volume", "particle", "real", "m^3", "volume", "undeformed volume V0"),
+    _f("volume", "particle", "real", "m^3", "volume", "volume by which the particle enters SPH sums (phi V_min for solids)"),
+    _f("density", "particle", "real", "kg/m^3", "density", "SPH density of a liquid, rest density of others"),
+    _f("pressure", "particle", "real", "Pa", "pressure", "Tait pressure, 0 for others than liquid"),
+    _f("offenders", "particle", "int", "1", "", "pairs of the particle that are closer than the guard distance"),
+    _f("surface", "particle", "int", "1", "", "1 on the free surface of a liquid"),
+    _f("temperature", "particle", "real", "degC", "temperature", "temperature"),
+    _f("temperature_next", "particle", "real", "degC", "temperature", "temperature after the pass (double buffer)"),
+    _f("conductivity", "particle", "real", "W/(m K)", "conductivity", "k of a particle; K in m^2/s in paper mode"),
+    _f("heat_volume", "particle", "real", "m^3", "volume", "volume V_i of the heat exchange"),
+    _f("heat_capacity", "particle", "real", "J/K", "heat_capacity", "capacity C_i of a particle; V_i in m^3 in paper mode"),
+    _f("latent_energy", "particle", "real", "J", "latent_energy", "latent heat absorbed so far, from 0 (frozen) to latent_capacity"),
+    _f("latent_capacity", "particle", "real", "J", "latent_energy", "latent heat of the whole particle (K m^3 in paper mode)"),
+    # neighbour search
+    _f("cell", "particle", "int", "1", "", "linear index of the particle's grid cell, x fastest"),
+    _f("order", "particle", "int", "1", "", "particle that comes k-th in cell order"),
+    _f("cell_start", "cell", "int", "1", "", "first sorted particle of a cell"),
+    _f("chunk_sum", "chunk", "int", "1", "", "scratch of scans"),
+    _f("neighbour_count", "particle", "int", "1", "", "number of neighbours; beyond the capacity if the list overflowed"),
+    _f("neighbour_index", "particle neighbour", "int", "1", "", "neighbours within the support, ascending, without itself"),
+    _f("tree", "node", "int", "1", "", "particle at a node of the left-balanced KD-tree (children 2k+1, 2k+2)"),
+    _f("tree_rank", "node", "int", "1", "", "scratch of the KD-tree build"),
+    # lattice sites and shape matching regions (region r belongs to site r)
+    _f("site_particle", "site", "int", "1", "", "particle at the site, -1 if it has none"),
+    _f("site_cell", "3 site", "int", "1", "", "integer lattice coordinates in one global voxel frame"),
+    _f("site_rest", "3 site", "real", "m", "spacing", "rest position X0, relative to the body's own origin"),
+    _f("site_body", "site", "int", "1", "", "body of the site; spare sites -1"),
+    _f("site_component", "site", "int", "1", "", "connected component: its smallest live site; -1 if not live"),
+    _f("site_links", "site link", "int", "1", "", "live direct neighbours by offset (arrayN), -1 for none"),
+    _f("site_link_count", "site", "int", "1", "", "live direct neighbours incl. itself; 0 if not live; 27 inside"),
+    _f("site_melting", "site", "int", "1", "", "1 if the site melts in this step"),
+    _f("site_dirty", "site", "int", "1", "", "bit 1: region must be refilled; bit 2: its sums must be renewed"),
+    _f("site_region", "site region", "int", "1", "", "live sites within w hops by offset (arrayR), -1 for none"),
+    _f("site_region_count", "site", "int", "1", "", "members of the region = regions that contain the site"),
+    _f("rest_sum", "site", "real", "1/m^3", "number_density", "sum of W over the region at rest, itself included"),
+    _f("region_share", "site", "real", "kg", "mass", "mass share of a site in each of its regions, m/n"),
+    _f("region_mass", "site", "real", "kg", "mass", "mass of the region"),
+    _f("region_rest", "3 site", "real", "m", "spacing", "centre of mass of the region at rest, in the frame of site_rest"),
+    _f("region_centre", "3 site", "position", "m", "spacing", "centre of mass of the region now"),
+    _f("region_rotation", "4 site", "real", "1", "one", "rotation quaternion (w, x, y, z) of the region, w >= 0"),
+    _f("region_velocity", "3 site", "real", "m/s", "speed", "mean velocity of the region"),
+    _f("region_spin", "3 site", "real", "1/s", "rate", "angular velocity of the region"),
+    _f("goal", "3 site", "real", "m", "spacing", "goal position of the site's particle minus its position"),
+    _f("claim", "site", "int", "1", "", "freezing particle that won the site, -1 for none"),
+    # materials (rows of the scene's material table)
+    _f("material_density", "material", "real", "kg/m^3", "density", "rest density"),
+    _f("material_conductivity", "material", "real", "W/(m K)", "conductivity", "k; K in m^2/s in paper mode"),
+    _f("material_specific_heat", "material", "real", "J/(kg K)", "specific_heat", "c; unused in paper mode"),
+    _f("material_melting_point", "material", "real", "degC", "temperature", "melting point, inf if it never melts"),
+    _f("material_latent_heat", "material", "real", "J/kg", "latent_heat", "latent heat of fusion"),
+    _f("material_melts_to", "material", "int", "1", "", "material row after melting"),
+    _f("material_freezes_to", "material", "int", "1", "", "material row after freezing, -1 if it never freezes"),
+    # heaters
+    _f("heater_shape", "heater", "int", "1", "", "0 box (centre, half sizes), 1 sphere (centre, radius in the first)"),
+    _f("heater_centre", "3 heater", "real", "m", "spacing", "centre of the heater"),
+    _f("heater_size", "3 heater", "real", "m", "spacing", "half sizes of the heater"),
+    _f("heater_mode", "heater", "int", "1", "", "0 rate, 1 target temperature (fixes it)"),
+    _f("heater_value", "heater", "real", "W/m^3 or degC", "temperature", "rate (K/s in paper mode) or target temperature"),
+    # reductions read by the host
+    _f("motion_bounds", "2 reduction", "real", "m/s, m/s^2", "speed", "largest speed and acceleration of mobile particles"),
+]
+
+FIELDS = {field.name: field for field in _TABLE}

@@ -1,0 +1,137 @@
+"""The registry: one entry per stage, in pipeline order.
+
+Plan, binders, cross-check, ``docs/stages.md`` and the law tests derive from it; there is
+no second list. A stage's arguments are, in this order: fields it only reads, parameters
+(NamedTuples of `melt.params` in lower case, then scalars such as ``dt``), fields it writes.
+A field that is read and written stands among the written ones.
+"""
+
+from typing import NamedTuple
+
+
+class Tolerance(NamedTuple):
+    """``|a - b| <= rtol * |ref| + atol * field.scale``, per precision, with its reason."""
+
+    single: float
+    double: float
+    reason: str
+    atol_single: float | None = None  # None: as rtol
+    atol_double: float | None = None
+
+    def of(self, precision):
+        """Return (rtol, atol) for ``single`` (also pair work of ``mixed``) or ``double``."""
+        if precision == "double":
+            return self.double, self.double if self.atol_double is None else self.atol_double
+        return self.single, self.single if self.atol_single is None else self.atol_single
+
+
+class Stage(NamedTuple):
+    name: str
+    file: str
+    equation: str
+    reads: tuple
+    params: tuple
+    writes: tuple
+    tolerance: Tolerance
+    partial: bool  # writes a subset of the elements: the others keep their value
+    scratch: tuple  # fields among ``writes`` whose contents mean nothing afterwards
+
+    @property
+    def arguments(self):
+        """Names of the arguments in order."""
+        return tuple(r for r in self.reads if r not in self.writes) + self.params + self.writes
+
+
+_EXACT = Tolerance(0.0, 0.0, "integers, compared exactly")
+_COPY = Tolerance(0.0, 0.0, "copies values")
+_SUM = Tolerance(2e-5, 1e-12, "sum of about 80 products; float32 positions are rounded")
+_STIFF = Tolerance(2e-4, 1e-11, "seventh power and differences of nearly equal terms")
+_FEW = Tolerance(2e-6, 1e-14, "a few operations per element")
+_REGION = Tolerance(5e-5, 1e-11, "sum over up to 125 members and a rotation")
+_SWEEP = Tolerance(5e-5, 1e-11, "a chain of pair updates")
+_SOLVER = Tolerance(1e-4, 1e-7, "iterated to its own residual tolerance")
+
+
+def _stage(name, file, equation, reads, params, writes, tolerance, partial=False, scratch=""):
+    return Stage(
+        name, file, equation, tuple(reads.split()), tuple(params.split()), tuple(writes.split()),
+        tolerance, partial, tuple(scratch.split()),
+    )
+
+
+_NEAR = "neighbour_count neighbour_index"
+_LIST = [
+    # ---- neighbours: line 1-2
+    _stage("cell_index", "grid", "melting 2.9", "position phase", "grid", "cell", _EXACT),
+    _stage("cell_sort", "grid", "melting 2.9", "cell", "grid", "order cell_start chunk_sum", _EXACT, scratch="chunk_sum"),
+    _stage("reorder_scalar", "grid", "melting 2.9", "order source", "", "target", _COPY),
+    _stage("reorder_vector", "grid", "melting 2.9", "order source", "", "target", _COPY),
+    _stage("site_particle", "grid", "melting 2.9", "site", "", "site_particle", _EXACT),
+    _stage("neighbours_grid", "neighbours", "melting 2.9", "position phase cell_start", "grid smoothing", _NEAR, _EXACT),
+    _stage("kdtree_build", "kdtree", "melting 2.9", "position", "", "tree tree_rank", _EXACT, scratch="tree_rank"),
+    _stage("neighbours_kdtree", "kdtree", "melting 2.9", "position phase tree", "smoothing", _NEAR, _EXACT),
+    # ---- SPH volumes, density, pressure: line 4
+    _stage("liquid_volume", "volume", "melting 2.2", "phase rest_volume", "fluid", "volume", _COPY),
+    _stage("rest_sum", "volume", "melting 2.2", "site_rest site_region site_region_count", "smoothing", "rest_sum", _SUM),
+    _stage("solid_volume_rest", "volume", "melting 2.2",
+           "position rest_volume site_particle site_region site_region_count rest_sum", "smoothing lattice", "volume", _SUM, partial=True),
+    _stage("solid_volume_akinci", "volume", "melting 2.2",
+           f"position phase site site_component site_link_count {_NEAR}", "smoothing lattice", "volume", _SUM, partial=True),
+    _stage("density", "density", "melting (1)", f"position phase mass volume rest_volume {_NEAR}", "smoothing fluid", "density", _SUM),
+    _stage("tait_pressure", "pressure", "melting 2.3", "phase mass volume density", "fluid", "pressure", _STIFF),
+    # ---- forces: line 5-7
+    _stage("fluid_force", "force", "melting (2), (3)",
+           f"position velocity phase mass volume density pressure {_NEAR}", "smoothing fluid", "force", _STIFF, partial=True),
+    _stage("reaction_force", "force", "melting (2), (3), Newton 3",
+           f"position velocity phase mass volume density pressure {_NEAR}", "smoothing fluid", "force", _STIFF, partial=True),
+    _stage("buoyancy", "force", "melting 8 (Boussinesq)", "phase mass temperature force", "fluid", "force", _FEW, partial=True),
+    _stage("drag", "force", "melting 2.3", "phase mass velocity force", "fluid", "force", _FEW, partial=True),
+    _stage("surface_tension", "force", "melting 2.3", f"position phase mass {_NEAR} force", "smoothing fluid", "force", _SUM, partial=True),
+    _stage("xsph", "force", "melting 2.3", f"position velocity phase mass density {_NEAR}", "smoothing fluid", "velocity_next", _SUM),
+    _stage("contact_force", "contact", "melting 3.3",
+           f"position velocity phase mass site site_component site_cell {_NEAR} force", "contact dt", "force", _STIFF, partial=True),
+    # ---- phase change and topology: line 9-10
+    _stage("melt_test", "phase_change", "melting 3.1 rule 3",
+           "material temperature latent_energy latent_capacity site_particle site_link_count material_melting_point", "change", "site_melting", _EXACT),
+    _stage("melt_particles", "phase_change", "melting 3.1 rule 4, 6",
+           "site site_melting material_melts_to material_density phase material mass rest_volume", "change",
+           "phase material mass rest_volume", _FEW, partial=True),
+    _stage("mark_dirty", "topology", "melting 3.1 rule 5", "site_body site_melting site_region site_region_count", "lattice", "site_dirty", _EXACT),
+    _stage("unlink", "topology", "melting 3.1 rule 4", "site_melting site_links site_link_count", "", "site_links site_link_count", _EXACT, partial=True),
+    _stage("fill_regions", "topology", "melting 3.2", "site_links site_link_count site_dirty site_region site_region_count", "lattice",
+           "site_region site_region_count", _EXACT, partial=True),
+    _stage("components", "topology", "melting 3.3", "site_links site_link_count", "", "site_component", _EXACT),
+    _stage("crumble", "topology", "melting 3.3", "site_component", "smallest", "site_melting", _EXACT),
+    _stage("region_share", "lattice", "melting 2.7", "mass site_particle site_region_count", "", "region_share", _FEW),
+    _stage("region_rest", "lattice", "melting 2.7", "site_rest site_region site_region_count region_share", "", "region_mass region_rest", _REGION),
+    _stage("freeze_claim", "freezing", "melting 3.4",
+           "position velocity phase material temperature latent_energy site_rest region_centre", "lattice change", "claim", _EXACT),
+    # ---- shape matching: line 11
+    _stage("region_match", "lattice", "melting 2.7",
+           "position site_particle site_rest site_region site_region_count region_share region_mass region_rest region_rotation",
+           "lattice", "region_centre region_rotation", _REGION),
+    _stage("goal", "lattice", "melting 2.7",
+           "position site_particle site_rest site_region site_region_count region_rest region_centre region_rotation", "", "goal", _REGION),
+    _stage("region_motion", "lattice", "melting 2.7",
+           "position velocity site_particle site_region site_region_count region_share region_mass", "",
+           "region_velocity region_spin", _REGION),
+    _stage("damp_velocity", "lattice", "melting 2.7",
+           "position site_particle site_region site_region_count region_centre region_velocity region_spin velocity", "factor", "velocity", _REGION, partial=True),
+    # ---- heat: line 13, eq 4
+    _stage("thermal_properties", "heat", "melting 2.5",
+           "phase material mass rest_volume volume density material_conductivity material_specific_heat material_latent_heat", "heat",
+           "conductivity heat_volume heat_capacity latent_capacity", _FEW),
+    # ---- motion: line 14
+    _stage("kick", "motion", "melting 2.6", "phase mass force velocity", "dt", "velocity", _FEW, partial=True),
+    _stage("goal_kick", "motion", "melting 2.6", "site_particle goal velocity", "lattice dt", "velocity", _FEW, partial=True),
+    _stage("drift", "motion", "melting 2.6", "phase velocity position", "dt", "position", _FEW, partial=True),
+    _stage("guard_offenders", "guard", "melting 2.4", f"position phase {_NEAR}", "guard", "offenders", _EXACT),
+    _stage("guard_correction", "guard", "melting 2.4", f"position velocity phase mass offenders {_NEAR}", "guard",
+           "position_next velocity_next", _SUM),
+    _stage("leave_domain", "motion", "melting 6", "position phase", "domain", "phase", _EXACT, partial=True),
+    _stage("motion_bounds", "motion", "melting 2.6", "phase mass velocity force", "", "motion_bounds", _FEW),
+    # ---- surface: line 15
+    _stage("surface", "surface", "melting 2.8", f"position phase volume {_NEAR}", "smoothing full_neighbours", "surface", _EXACT),
+]
+
+STAGES = {stage.name: stage for stage in _LIST}
