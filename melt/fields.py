@@ -22,6 +22,7 @@ EXTENTS = {
     "region": "(2w+1)^3 offsets of a shape matching region",
     "material": "materials of the scene",
     "heater": "heaters of the scene",
+    "inlet": "particles of one layer of all nozzles together",
     "reduction": "64 partial results of a fixed-shape reduction",
 }
 
@@ -109,8 +110,20 @@ _TABLE = [
     _f("heater_size", "3 heater", "real", "m", "spacing", "half sizes of the heater"),
     _f("heater_mode", "heater", "int", "1", "", "0 rate, 1 target temperature (fixes it)"),
     _f("heater_value", "heater", "real", "W/m^3 or degC", "temperature", "rate (K/s in paper mode) or target temperature"),
+    # inflow: rows of all nozzles, a nozzle emits its rows as one layer
+    _f("inflow_position", "3 inlet", "position", "m", "spacing", "where a particle of the layer enters"),
+    _f("inflow_velocity", "3 inlet", "real", "m/s", "speed", "velocity with which it enters"),
+    _f("inflow_mass", "inlet", "real", "kg", "mass", "its mass"),
+    _f("inflow_volume", "inlet", "real", "m^3", "volume", "its rest volume"),
+    _f("inflow_temperature", "inlet", "real", "degC", "temperature", "its temperature"),
+    _f("inflow_material", "inlet", "int", "1", "", "its material"),
     # reductions read by the host
     _f("motion_bounds", "2 reduction", "real", "m/s, m/s^2", "speed", "largest speed and acceleration of mobile particles"),
 ]
 
 FIELDS = {field.name: field for field in _TABLE}
+
+#: Particle fields that travel when particles are sorted. All else is derived within a step.
+CARRIED = (
+    "id phase material site position velocity mass rest_volume temperature latent_energy latent_capacity"
+).split()

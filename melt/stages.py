@@ -61,6 +61,11 @@ def _stage(name, file, equation, reads, params, writes, tolerance, partial=False
 
 _NEAR = "neighbour_count neighbour_index"
 _LIST = [
+    # ---- inflow: new particles into the inactive slots that follow the sorted active ones
+    _stage("emit_motion", "inflow", "melting 1 stage 0", "inflow_position inflow_velocity phase position velocity",
+           "first count slot lag", "phase position velocity", _FEW, partial=True),
+    _stage("emit_matter", "inflow", "melting 1 stage 0", "inflow_mass inflow_volume inflow_temperature inflow_material"
+           " mass rest_volume temperature material site", "first count slot", "mass rest_volume temperature material site", _COPY, partial=True),
     # ---- neighbours: line 1-2
     _stage("cell_index", "grid", "melting 2.9", "position phase", "grid", "cell", _EXACT),
     _stage("cell_sort", "grid", "melting 2.9", "cell", "grid", "order cell_start chunk_sum", _EXACT, scratch="chunk_sum"),
