@@ -35,6 +35,7 @@ class State:
     def __init__(self, backend, precision, sizes, names):
         self.backend, self.precision, self.sizes = backend, precision, dict(sizes)
         self.arrays = {}
+        self._absent = {}
         self.version = 0  # changes whenever a name is bound to another array
         for name in names:
             self.allocate(name)
@@ -51,11 +52,13 @@ class State:
 
     def get(self, name):
         """Return the array called ``name``, or one of length 0 if the scene has none."""
-        if name not in self.arrays:
+        if name in self.arrays:
+            return self.arrays[name]
+        if name not in self._absent:
             field = FIELDS[name]
-            empty = np.zeros(tuple(int(e) if e.isdigit() else 0 for e in field.shape), dtype_of(field, self.precision))
-            return self.backend.upload(empty)
-        return self.arrays[name]
+            shape = tuple(int(e) if e.isdigit() else 0 for e in field.shape)
+            self._absent[name] = self.backend.upload(np.zeros(shape, dtype_of(field, self.precision)))
+        return self._absent[name]
 
     def set(self, name, values):
         """Copy host values into the field ``name``."""
@@ -76,6 +79,13 @@ class State:
         a = self.arrays
         a[first], a[second] = a[second], a[first]
         self.version += 1
+
+    def resize(self, extent, size):
+        """Give every array with this extent the new size; their contents are lost."""
+        self.sizes[extent] = size
+        for name in self.arrays:
+            if extent in FIELDS[name].shape:
+                self.allocate(name)
 
     @property
     def nbytes(self):

@@ -1,0 +1,209 @@
+"""Melting: one outer step, stage by stage. "line n" is the paper's pseudo-code.
+
+An outer step t^n -> t^(n+1) = t^n + dt does heat, melting and topology once, and mechanics in
+``n_sub`` sub-steps; with n_sub = 1 it is exactly the paper's order. Leap-frog: positions and
+temperatures live at t^n, velocities at t^(n-1/2).
+"""
+
+import math
+
+import numpy as np
+
+from melt.errors import MeltError
+from melt.systems.heat import heat
+from melt.systems.topology import freeze, melt_and_relink
+
+
+def step(do, dt):
+    """Advance the state by one outer step of ``dt`` seconds."""
+    need, settings, clock = do.need, do.settings, do.clock
+    n_sub, sub_dt = sub_steps(do, dt)
+    if need.inflow:
+        emit(do, dt)
+    for s in range(n_sub):
+        search(do)  # line 1-2
+        volumes(do)
+        do.density()  # line 4, eq (1): rho^n
+        do.tait_pressure()  # p^n
+        forces(do, sub_dt)  # line 5-7: F(x^n, v^(n-1/2))
+        if s == 0 and need.melting and clock.step % settings.melt_every == 0:
+            melt_and_relink(do)  # line 9-10: tests T^n
+            if need.freezing:
+                freeze(do)
+        if s == n_sub - 1 and need.heat:
+            heat(do, dt)  # line 13, eq (4): T^n -> T^(n+1)
+        if need.solids:
+            shape(do, dt, sub_dt)  # line 11: goals from x^n
+        move(do, sub_dt)  # line 14: v^(n-1/2) -> v^(n+1/2), x^n -> x^(n+1)
+    do.motion_bounds()
+    keep_bounds(do)
+    clock.step += 1
+
+
+def still_step(do, dt):
+    """Advance heat and phase change alone: nothing moves (static scenes)."""
+    if do.clock.step == 0:
+        search(do)
+        volumes(do)
+    if do.need.melting:
+        melt_and_relink(do)
+        if do.need.freezing:
+            freeze(do)
+    heat(do, dt)
+    do.clock.step += 1
+
+
+def search(do):
+    """Sort particles by cell and list the neighbours of each (line 1-2)."""
+    do.cell_index()
+    do.cell_sort()
+    do.reorder()
+    if do.need.solids:
+        do.site_particle()
+    if do.settings.neighbours == "kdtree":
+        do.kdtree_build()
+    list_neighbours(do)
+    longest = int(do.read("neighbour_count").max(initial=0))
+    if longest > do.size("neighbour"):
+        # lists hold the true count even when they overflow: grow and build again, nothing is lost
+        do.resize("neighbour", longest + 16)
+        list_neighbours(do)
+
+
+def list_neighbours(do):
+    """Fill the neighbour lists; grid and KD-tree give the same ones."""
+    if do.settings.neighbours == "kdtree":
+        do.neighbours_kdtree()
+    else:
+        do.neighbours_grid()
+
+
+def volumes(do):
+    """Volumes by which particles enter SPH sums."""
+    do.liquid_volume()
+    if do.need.solids:
+        if do.settings.solid_volume == "rest":
+            do.solid_volume_rest()
+        else:
+            do.solid_volume_akinci()
+
+
+def forces(do, sub_dt):
+    """All forces at x^n; solids get the exact reaction by gather (line 5-7)."""
+    do.fluid_force()
+    if do.need.solids:
+        do.reaction_force()
+        do.contact_force(dt=sub_dt)
+    if do.need.buoyancy:
+        do.buoyancy()
+    if do.need.drag:
+        do.drag()
+    if do.need.surface_tension:
+        do.surface_tension()
+
+
+def shape(do, dt, sub_dt):
+    """Goal displacements g - x from the region rotations, and damping towards rigid motion."""
+    if do.settings.rigid:
+        do.rigid_match()
+        do.rigid_goal()
+        return
+    do.region_match()
+    do.goal()
+    if do.settings.lattice_damping > 0:
+        do.region_motion()
+        # damping per outer step, spread over its sub-steps
+        do.damp_velocity(factor=1.0 - (1.0 - do.settings.lattice_damping) ** (sub_dt / dt))
+
+
+def move(do, sub_dt):
+    """Kick, drift, and push apart what came too close."""
+    clock = do.clock
+    # the first kick is a half one: v^0 -> v^(1/2)
+    if do.settings.leap_frog == "kdk":
+        do.kick(dt=0.5 * clock.previous_dt)  # v^n
+        forces(do, sub_dt)  # again, with v^n
+        do.kick(dt=0.5 * sub_dt)
+    else:
+        do.kick(dt=0.5 * (clock.previous_dt + sub_dt))
+    if do.need.solids:
+        do.goal_kick(dt=sub_dt)
+    if do.need.xsph:
+        do.xsph()
+        do.swap("velocity", "velocity_next")
+    do.drift(dt=sub_dt)
+    if do.need.guard:
+        do.guard_offenders()
+        do.guard_correction()
+        do.swap("position", "position_next")
+        do.swap("velocity", "velocity_next")
+    if do.need.domain:
+        do.leave_domain()
+    clock.previous_dt = sub_dt
+    clock.time += sub_dt
+
+
+def emit(do, dt):
+    """Let every layer enter whose time falls into this outer step (stage 0)."""
+    clock = do.clock
+    for nozzle in do.settings.nozzles:
+        while True:
+            k = clock.layers[nozzle.name]
+            enters = nozzle.start + k * nozzle.interval
+            if k >= nozzle.layers or enters >= clock.time + 0.5 * dt:
+                break
+            if clock.active + nozzle.count > do.settings.capacity:
+                do.note("inflow_stopped", 1)
+                clock.layers[nozzle.name] = nozzle.layers
+                break
+            where = dict(first=nozzle.first, count=nozzle.count, slot=clock.active)
+            do.emit_motion(lag=max(0.0, clock.time - enters), **where)
+            do.emit_matter(**where)
+            clock.active += nozzle.count
+            clock.layers[nozzle.name] = k + 1
+
+
+def step_limits(do):
+    """Return {bound: seconds} of the mechanical sub-step. Spec 2.6."""
+    s, clock = do.settings, do.clock
+    h_s = 0.5 * s.support
+    sound = 0.4 * h_s / (s.sound_speed * (1.0 + 0.6 * s.alpha))
+    acceleration = max(clock.max_acceleration, s.gravity, 1e-12)
+    limits = {
+        "sound": sound,
+        "force": 0.25 * math.sqrt(h_s / acceleration),
+        # a particle may not cross half a spacing: only jets and falls beyond the sound speed's design reach it
+        "speed": 0.4 * h_s / max(clock.max_speed, 1e-12),
+    }
+    if s.kinematic_viscosity > 0:
+        limits["viscosity"] = 0.125 * h_s**2 / s.kinematic_viscosity
+    if s.lightest_solid < 0.05:
+        limits["light solid"] = sound * math.sqrt(s.lightest_solid / 0.05)
+    return limits
+
+
+def sub_steps(do, dt):
+    """Return (n_sub, dt / n_sub), the fewest sub-steps that all limits allow, and note why.
+
+    Raises:
+        MeltError: the limits ask for more than ``n_sub_max`` sub-steps (never silently unstable).
+    """
+    s = do.settings
+    limits = step_limits(do)
+    governing = min(limits, key=limits.get)
+    n_sub = s.n_sub or max(1, math.ceil(dt / limits[governing] * (1 - 1e-9)))
+    if s.n_sub is None and n_sub > s.n_sub_max:
+        raise MeltError(
+            f"time step: at t = {do.clock.time:.4g} s the bound '{governing}' allows sub-steps of "
+            f"{limits[governing]:.3g} s, {n_sub} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max}: "
+            "lower time.dt, raise time.n_sub_max, or lower fluid.sound_speed"
+        )
+    do.note("n_sub", n_sub)
+    do.note("governing_bound", governing)
+    return n_sub, dt / n_sub
+
+
+def keep_bounds(do):
+    """Read the largest speed and acceleration back, once per outer step."""
+    speed, acceleration = np.asarray(do.read("motion_bounds"), dtype=np.float64).max(axis=1)
+    do.clock.max_speed, do.clock.max_acceleration = float(speed), float(acceleration)
