@@ -41,7 +41,7 @@ class Fluid(NamedTuple):
     """Weakly compressible liquid and its exchange with solids and walls. Spec 2.2-2.4."""
 
     sound_speed: float  # [m/s]
-    viscosity: int  # ARTIFICIAL or LAMINAR (LAMINAR keeps alpha beside mu)
+    viscosity: int  # ARTIFICIAL, or LAMINAR: the stage laminar_force with mu beside alpha
     alpha: float  # artificial viscosity [1]
     mu: float  # dynamic viscosity [Pa s]
     solid_friction: float  # sigma of liquid-solid pairs [1]
@@ -58,7 +58,7 @@ class Fluid(NamedTuple):
     reference_temperature: float  # [degC]
     drag: float  # ambient drag rate of liquids [1/s]
     xsph: float  # XSPH blend [1]
-    surface_tension: float  # cohesion strength [m/s^2 per kg-weighted W, Becker-Teschner kappa]
+    surface_tension: float  # cohesion kappa [m^3/(kg s^2)], F = -kappa m_i sum m_j W x_ij
 
 
 class Lattice(NamedTuple):
@@ -82,7 +82,7 @@ class Contact(NamedTuple):
 
     distance: float  # contact below this distance [m]
     stiffness: float  # k_c = stiffness * reduced mass / dt^2 (0.25)
-    damping: float  # share of the normal approach speed removed per sub-step
+    damping: float  # share of the normal approach speed that one pair removes per sub-step
     friction: float  # Coulomb coefficient
 
 
