@@ -101,6 +101,7 @@ class Heat(NamedTuple):
     latent: int  # 1: latent heat is on
     ambient_temperature: float  # [degC]
     ambient_transfer: float  # h_c of free surfaces [W/(m^2 K)], (m/s in paper mode)
+    ambient_area: float  # k_A of A = k_A dx^2 (1 - N/N_full); 8/3 makes a flat face dx^2 at h/dx 2.5
     full_neighbours: float  # N_full of a particle inside
     spacing: float  # dx [m]
     wall_fixed: int  # 1: walls keep their temperature and conduct, 0: insulated

@@ -60,6 +60,8 @@ def _stage(name, file, equation, reads, params, writes, tolerance, partial=False
 
 
 _NEAR = "neighbour_count neighbour_index"
+_LATENT = "heat_capacity_molten latent_point latent_capacity"
+_THERMAL = f"conductivity heat_volume heat_capacity {_LATENT}"
 _LIST = [
     # ---- inflow: new particles into the inactive slots that follow the sorted active ones
     _stage("emit_motion", "inflow", "melting 1 stage 0", "inflow_position inflow_velocity phase position velocity",
@@ -124,10 +126,49 @@ _LIST = [
            "region_velocity region_spin", _REGION),
     _stage("damp_velocity", "lattice", "melting 2.7",
            "position site_particle site_region site_region_count region_centre region_velocity region_spin velocity", "factor", "velocity", _REGION, partial=True),
-    # ---- heat: line 13, eq 4
+    # ---- heat: line 13, eq 4 (pair stages take the enthalpy of both partners: more than 12 arguments)
     _stage("thermal_properties", "heat", "melting 2.5",
-           "phase material mass rest_volume volume density material_conductivity material_specific_heat material_latent_heat", "heat",
-           "conductivity heat_volume heat_capacity latent_capacity", _FEW),
+           "phase material mass rest_volume volume density material_conductivity material_specific_heat", "heat",
+           "conductivity heat_volume heat_capacity", _FEW),
+    _stage("latent_properties", "heat", "melting 3.5",
+           "phase material mass heat_volume heat_capacity material_specific_heat material_latent_heat material_melting_point "
+           "material_melts_to material_freezes_to temperature latent_energy", "heat",
+           f"heat_capacity {_LATENT} temperature latent_energy", _FEW),
+    _stage("latent_start", "heat", "melting 3.5", "phase latent_capacity", "", "latent_energy", _COPY),
+    _stage("heat_source", "heat_source", "melting 2.5",
+           "position heat_volume heater_shape heater_centre heater_size heater_mode heater_value heater_reach "
+           f"{_LATENT} temperature latent_energy heat_capacity", "heat dt", "temperature latent_energy heat_capacity", _FEW),
+    _stage("ambient_cooling", "heat_source", "melting 2.5",
+           f"surface neighbour_count heat_volume heat_capacity {_LATENT} temperature latent_energy", "heat dt",
+           "temperature latent_energy", _FEW),
+    _stage("heat_pairs_seq", "heat_pairs", "melting (4)",
+           f"position phase {_THERMAL} {_NEAR} temperature latent_energy", "smoothing heat dt", "temperature latent_energy", _SWEEP),
+    _stage("heat_pairs_coloured", "heat_coloured", "melting (4)",
+           f"position {_THERMAL} cell_start temperature latent_energy", "smoothing grid heat dt", "temperature latent_energy", _SWEEP),
+    _stage("heat_onesided", "heat_explicit", "melting (4)",
+           f"position temperature {_THERMAL} {_NEAR} latent_energy", "smoothing heat dt reverse", "temperature_next latent_energy", _SWEEP),
+    _stage("heat_explicit", "heat_explicit", "melting 2.5",
+           f"position temperature {_THERMAL} {_NEAR} latent_energy", "smoothing heat dt", "temperature_next latent_energy", _SUM),
+    _stage("heat_rate", "heat_explicit", "melting 2.5",
+           f"position conductivity heat_volume heat_capacity {_NEAR}", "smoothing heat", "heat_rate", _SUM),
+    _stage("heat_conductance", "heat_cg", "melting 2.5", f"position conductivity heat_volume {_NEAR}", "smoothing heat",
+           "heat_conductance", _SUM, partial=True),
+    _stage("cg_state", "heat_cg", "melting 3.5",
+           f"heat_capacity {_LATENT} temperature latent_energy heat_flux temperature_next", "heat",
+           "temperature_next heat_linear heat_excess", _FEW),
+    _stage("cg_start", "heat_cg", "melting 2.5",
+           f"temperature_next heat_linear heat_excess heat_conductance {_NEAR}", "dt",
+           "cg_residual cg_direction cg_diagonal cg_sums", _SUM, partial=True),
+    _stage("cg_apply", "heat_cg", "melting 2.5",
+           f"cg_direction heat_linear heat_conductance {_NEAR} cg_sums", "dt", "cg_product cg_sums", _SUM, partial=True),
+    _stage("cg_step", "heat_cg", "melting 2.5", "cg_direction cg_product cg_diagonal temperature_next cg_residual cg_sums", "",
+           "temperature_next cg_residual cg_sums", _SUM, partial=True),
+    _stage("cg_turn", "heat_cg", "melting 2.5", "cg_residual cg_diagonal cg_direction cg_sums", "", "cg_direction cg_sums", _SUM, partial=True),
+    _stage("heat_balance", "heat_cg", "melting 2.5",
+           f"temperature temperature_next latent_energy heat_capacity {_LATENT} heat_conductance {_NEAR}", "heat dt",
+           "heat_flux heat_error", _SUM),
+    _stage("heat_finish", "heat_cg", "melting 2.5",
+           f"heat_capacity {_LATENT} heat_flux temperature latent_energy", "heat", "temperature latent_energy", _FEW),
     # ---- motion: line 14
     _stage("kick", "motion", "melting 2.6", "phase mass force velocity", "dt", "velocity", _FEW, partial=True),
     _stage("goal_kick", "motion", "melting 2.6", "site_particle goal velocity", "lattice dt", "velocity", _FEW, partial=True),
