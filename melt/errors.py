@@ -3,3 +3,15 @@
 
 class MeltError(Exception):
     """A message for the user; the command line prints it without a traceback."""
+
+
+class SceneError(MeltError, ValueError):
+    """A scene cannot be read or breaks its model."""
+
+
+class GeometryError(MeltError, ValueError):
+    """A shape or mesh cannot be sampled, or bodies stand in each other."""
+
+
+class UnitError(MeltError, ValueError):
+    """A quantity has an unknown unit or one of another kind."""

@@ -1,0 +1,155 @@
+"""Find, read, override and validate scenes."""
+
+import copy
+import difflib
+import pathlib
+import tomllib
+
+from pydantic import ValidationError
+
+from melt.errors import SceneError
+from melt.scene.messages import explain
+from melt.scene.model import Scene
+from melt.scene.presets import OPTIONAL_SECTIONS, PRESETS
+
+
+def data_folder():
+    """Return the folder of shipped scenes and meshes (installed package or source tree)."""
+    package = pathlib.Path(__file__).resolve().parent.parent
+    for folder in (package / "data", package.parent / "data"):
+        if (folder / "scenes").is_dir():
+            return folder
+    raise SceneError(f"the shipped scenes are missing beside {package}: install melt again")
+
+
+def shipped_scenes():
+    """Return {name: path} of the shipped scenes, sorted by name."""
+    return {path.stem: path for path in sorted((data_folder() / "scenes").glob("*.toml"))}
+
+
+def find_scene(name):
+    """Return the path of a scene given by name or by path.
+
+    Raises:
+        SceneError: no such scene; close matches are named.
+    """
+    path = pathlib.Path(name)
+    if path.is_file():
+        return path
+    shipped = shipped_scenes()
+    if str(name) in shipped:
+        return shipped[str(name)]
+    if path.suffix == ".toml" and path.name != str(name):
+        raise SceneError(f"scene file {str(name)!r} does not exist: check the path, or name a shipped scene (melt scenes)")
+    close = difflib.get_close_matches(path.stem, shipped, 3, 0.5)
+    hint = f"did you mean {', '.join(close)}?" if close else f"shipped scenes: {', '.join(shipped)}"
+    raise SceneError(f"unknown scene {str(name)!r}; {hint} (a scene of your own is a path to a .toml file)")
+
+
+def load_scene(name, overrides=(), preset=None):
+    """Return the validated `Scene` called ``name`` (shipped) or at that path.
+
+    ``overrides`` are texts such as ``heat.conductivity=50``; ``preset`` replaces the scene's own choice.
+
+    Raises:
+        SceneError: not found, not TOML, or not a valid scene.
+    """
+    path = find_scene(name)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise SceneError(f"scene {path}: cannot be read ({error}); a scene is a TOML text file") from None
+    return scene_from_toml(text, title=f"scene {path.stem}", overrides=overrides, preset=preset, folder=path.parent)
+
+
+def scene_from_toml(text, title="scene", overrides=(), preset=None, folder=None):
+    """Return the validated `Scene` of a TOML text, as `load_scene`; mesh files are looked up in ``folder``."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{title}: not valid TOML: {error}; text needs quotes, tables need [brackets]") from None
+    return scene_from_dict(data, title, overrides, preset, folder)
+
+
+def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None):
+    """Return the validated `Scene` of nested dictionaries, as `load_scene`."""
+    data = copy.deepcopy(data)
+    own = data.pop("presets", {})
+    chosen = preset or data.get("preset", "default")
+    known = {**PRESETS, **own}
+    if chosen not in known:
+        close = difflib.get_close_matches(str(chosen), known, 1)
+        raise SceneError(f"{title}: unknown preset {chosen!r}; {f'did you mean {close[0]}? ' if close else ''}known: {', '.join(known)}")
+    data["preset"] = chosen
+    for key, value in own.get(chosen, {}).items():
+        _assign(data, key, value)
+    for text in overrides:
+        key, _, value = text.partition("=")
+        if not _ or not key.strip():
+            raise SceneError(f"override {text!r}: write KEY=VALUE, for instance heat.conductivity=50")
+        _assign(data, key.strip(), _parse(value.strip()))
+    _fill_in(data, PRESETS.get(chosen, {}))
+    _resolve_meshes(data, folder)
+    heat = data.get("heat")
+    law = heat.get("law", "paper") if isinstance(heat, dict) else "paper"
+    try:
+        return Scene.model_validate(data, context={"law": law})
+    except ValidationError as error:
+        raise SceneError(explain(error, data, title, Scene)) from None
+
+
+def _parse(text):
+    """Return a TOML value; what is no TOML is text (so that quotes may be left out)."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def _assign(data, key, value):
+    """Set the value at a dotted key; ``none`` removes it. List items go by number, ``*`` is all of them."""
+    *path, last = key.split(".")
+    targets = [data]
+    for part in path:
+        targets = [inner for target in targets for inner in _step(target, part, key)]
+    for target in targets:
+        if not isinstance(target, dict):
+            raise SceneError(f"override {key}: {key.rpartition('.')[0]} has no keys")
+        if value == "none" and last not in ("baseline",):
+            target.pop(last, None)
+        else:
+            target[last] = value
+
+
+def _step(target, part, key):
+    if isinstance(target, list):
+        if part == "*":
+            return target
+        if part.isdigit() and int(part) < len(target):
+            return [target[int(part)]]
+        raise SceneError(f"override {key}: {part!r} is not one of its {len(target)} items; count from 0, or * for all")
+    if not isinstance(target, dict):
+        raise SceneError(f"override {key}: {part!r} is not a table")
+    return [target.setdefault(part, {})]
+
+
+def _fill_in(data, defaults):
+    for section, values in defaults.items():
+        if section in OPTIONAL_SECTIONS and section not in data:
+            continue
+        table = data.setdefault(section, {})
+        if isinstance(table, dict):
+            for key, value in values.items():
+                table.setdefault(key, value)
+
+
+def _resolve_meshes(data, folder):
+    """Make mesh files that stand beside the scene absolute, so that the scene works from anywhere."""
+    fluid = data.get("fluid")
+    placed = [data.get("solid"), data.get("obstacle"), fluid.get("fill") if isinstance(fluid, dict) else None]
+    for items in placed:
+        for item in items if isinstance(items, list) else []:
+            if isinstance(item, dict) and isinstance(item.get("file"), str) and folder is not None:
+                beside = pathlib.Path(folder) / item["file"]
+                if beside.is_file():
+                    item["file"] = str(beside.resolve())

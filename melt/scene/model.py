@@ -1,0 +1,227 @@
+"""The scene model. A section that is present is physics that the run needs."""
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_validator
+
+from melt.scene.bodies import Fluid, Heater, Inflow, Obstacle, Solid
+from melt.scene.quantities import (
+    Acceleration,
+    Conductivity,
+    HeatTransfer,
+    NonNegative,
+    Positive,
+    PositiveLength,
+    PositiveTime,
+    Section,
+    Share,
+    SpecificHeat,
+    Temperature,
+    TemperatureDifference,
+    Vector,
+)
+from melt.scene.solver import Solver
+
+SIDES = ("x-", "x+", "y-", "y+", "z-", "z+")
+_SIDE_NAMES = {"floor": ("z-",), "lid": ("z+",), "sides": SIDES[:4], "all": SIDES, "none": ()}
+
+
+class About(Section):
+    """Name of the scene and what it stands for."""
+
+    name: str = "scene"
+    description: str = ""
+    figure: str = ""
+    """Paper figure or experiment that the scene stands for."""
+
+
+class Time(Section):
+    """Length of the run and its steps."""
+
+    end: Annotated[PositiveTime, Field()]
+    """Simulated time."""
+    dt: PositiveTime = 0.005
+    """Outer step: heat, melting and topology once each."""
+    n_sub: PositiveInt | Literal["auto"] = "auto"
+    """Mechanical sub-steps per outer step."""
+    n_sub_max: PositiveInt = 16
+    output_every: PositiveTime = 0.05
+    """Time between frames, rounded to whole outer steps."""
+    checkpoint_every: PositiveTime | None = None
+    """Time between checkpoints; none unless given."""
+
+    @property
+    def steps(self):
+        """Outer steps of the run."""
+        return max(1, math.ceil(self.end / self.dt - 1e-9))
+
+    @property
+    def output_steps(self):
+        """Outer steps between frames."""
+        return max(1, round(self.output_every / self.dt))
+
+    @property
+    def checkpoint_steps(self):
+        """Outer steps between checkpoints, 0 for none."""
+        return 0 if self.checkpoint_every is None else max(1, round(self.checkpoint_every / self.dt))
+
+
+class Walls(Section):
+    """Layers of fixed particles around the domain."""
+
+    sides: list[Literal["x-", "x+", "y-", "y+", "z-", "z+"]] = ["x-", "x+", "y-", "y+", "z-"]
+    """Sides with a wall: x- x+ y- y+ z- z+, or floor, sides, lid, all, none."""
+    layers: PositiveInt = 3
+    height: PositiveLength | None = None
+    """Height of the side walls; the domain's unless given."""
+
+    @field_validator("sides", mode="before")
+    @classmethod
+    def _named(cls, value):
+        names = [value] if isinstance(value, str) else value
+        if not isinstance(names, list):
+            return value
+        sides = [s for name in names for s in _SIDE_NAMES.get(name, (name,)) if isinstance(name, str)]
+        return [s for s in SIDES if s in sides] + [s for s in sides if s not in SIDES]
+
+
+class Domain(Section):
+    """The box that holds the scene, its lattice and its walls. z is up."""
+
+    lower: Vector = [0.0, 0.0, 0.0]
+    upper: Vector
+    spacing: PositiveLength = 0.2
+    """Particle spacing dx; particle centres are at lower + (i + 1/2) dx."""
+    gravity: Acceleration = [0.0, 0.0, -9.81]
+    walls: Walls = Field(default_factory=Walls)
+    leave: Literal["keep", "delete"] = "keep"
+    """What becomes of particles far outside: they are counted, and kept or made inactive."""
+
+    @model_validator(mode="after")
+    def _box(self):
+        if any(a >= b for a, b in zip(self.lower, self.upper)):
+            raise ValueError(f"upper {self.upper} must exceed lower {self.lower} along every axis")
+        return self
+
+    @property
+    def cells(self):
+        """Lattice cells along x, y, z; a fraction of a spacing counts as a whole one."""
+        return tuple(max(1, math.ceil((b - a) / self.spacing - 1e-6)) for a, b in zip(self.lower, self.upper))
+
+
+class Heat(Section):
+    """Heat exchange, melting and freezing."""
+
+    law: Literal["paper", "physical"] = "paper"
+    """"paper": diffusivity K_i + K_j, equal heat capacities; "physical": conductivity and heat capacity."""
+    conductivity: Conductivity | None = None
+    """Of the liquid: 0.56 W/(m K) unless given; with law = paper, K in units of the figures, 10 unless given."""
+    conductivity_scale: NonNegative | None = None
+    """Factor on all conductivities: 0.01 with law = paper (figures give percent), else 1, unless given."""
+    specific_heat: SpecificHeat = 4187.0
+    """Of the liquid."""
+    solver: Literal["auto", "pairs_seq", "pairs_coloured", "onesided", "cg", "explicit"] = "auto"
+    """"auto": coloured pairs up to a Fourier number of 0.5, conjugate gradients above."""
+    sweep_dt: Literal["half", "full"] = "half"
+    """Step of each of the two pair sweeps; "full" is the paper's and transports twice the heat."""
+    volume: Literal["rest", "current"] = "rest"
+    """Volumes of the exchange: "rest" conserves energy, "current" is the paper's m/rho."""
+    substeps: PositiveInt | Literal["auto"] = 1
+    """Thermal sub-steps; "auto" brings the Fourier number below 0.5."""
+    tolerance: Positive | None = None
+    """Relative residual of cg: 1e-5 in single and mixed, 1e-8 in double precision unless given."""
+    max_iterations: PositiveInt = 200
+    """Cap of cg iterations."""
+    latent: bool = False
+    """Melting takes up latent heat."""
+    refreeze: bool = False
+    """Cold liquid joins a neighbouring body."""
+    hysteresis: TemperatureDifference = 0.5
+    """Freezing starts this far below the melting point."""
+    freeze_layers: NonNegativeInt = 2
+    """Layers of vacant lattice sites around each body that liquid may freeze to."""
+    ambient_temperature: Temperature | None = None
+    """Temperature of the air above free surfaces."""
+    ambient_transfer: HeatTransfer = 0.0
+    """Heat transfer coefficient of free surfaces; 0 insulates them."""
+    wall_temperature: Temperature | None = None
+    """Fixed temperature of the walls; insulated unless given."""
+    heater: list[Heater] = []
+    """Heated or cooled volumes ([[heat.heater]])."""
+
+    @model_validator(mode="after")
+    def _complete(self):
+        if self.ambient_transfer > 0 and self.ambient_temperature is None:
+            raise ValueError("ambient_transfer needs ambient_temperature")
+        paper = self.law == "paper"
+        if self.conductivity is None:
+            self.conductivity = 10.0 if paper else 0.56
+        if self.conductivity_scale is None:
+            self.conductivity_scale = 0.01 if paper else 1.0
+        return self
+
+
+class Output(Section):
+    """What goes into the run file."""
+
+    fields: list[str] | Literal["all"] = "all"
+    """Particle fields to write; "all" that the scene has."""
+    walls: bool = False
+    """Write wall particles too."""
+    compress: bool = True
+
+
+class Scene(Section):
+    """One scene: geometry, matter, physics, numerics."""
+
+    scene: About = Field(default_factory=About)
+    preset: str = "default"
+    """Values of keys that are not given: "default", "paper", "physical", or one of the scene's own."""
+    time: Time
+    domain: Domain
+    fluid: Fluid = Field(default_factory=Fluid)
+    solid: list[Solid] = []
+    heat: Heat | None = None
+    inflow: list[Inflow] = []
+    obstacle: list[Obstacle] = []
+    solver: Solver = Field(default_factory=Solver)
+    output: Output = Field(default_factory=Output)
+
+    @model_validator(mode="after")
+    def _together(self):
+        paper = self.heat is not None and self.heat.law == "paper"
+        if self.solver.melt_to == "own" and self.solver.density_form == "number":
+            raise ValueError("solver.melt_to = 'own' makes unequal volumes: set solver.density_form = 'volume'")
+        if self.fluid.sound_speed == "legal" and self.time.n_sub == "auto":
+            raise ValueError("fluid.sound_speed = 'legal' derives the sound speed from the sub-step: set time.n_sub to a number")
+        if not self.solver.motion and self.heat is None:
+            raise ValueError("solver.motion = false leaves nothing to do: add a [heat] section")
+        for k, solid in enumerate(self.solid):
+            solid.name = solid.name or f"solid {k}"
+            solid.material = solid.material or solid.name
+            if solid.liquid_density is None:
+                solid.liquid_density = self.fluid.density
+            if self.heat is not None:
+                solid.temperature = -10.0 if solid.temperature is None else solid.temperature
+                if solid.conductivity is None:
+                    solid.conductivity = 30.0 if paper else 2.22
+        for k, nozzle in enumerate(self.inflow):
+            nozzle.name = nozzle.name or f"inflow {k}"
+        return self
+
+    @property
+    def spacing(self):
+        """Particle spacing dx [m]."""
+        return self.domain.spacing
+
+    @property
+    def support(self):
+        """Support radius h of the smoothing function [m]."""
+        return self.solver.support * self.domain.spacing
+
+    def to_toml(self):
+        """Return the scene as TOML text that loads to an equal scene."""
+        from melt.scene.toml import dumps
+
+        return dumps(self.model_dump(exclude_none=True))

@@ -1,0 +1,28 @@
+"""Presets: values of keys that a scene does not give. Melting spec, section 2."""
+
+#: "default" is the model's own defaults. Sections that a scene lacks are not added (except solver, fluid, time).
+PRESETS = {
+    "default": {},
+    # As literal as the printed equations allow: no mirrored pressure, full-step pair sweeps with m/rho
+    # volumes, one sub-step per step with the sound speed that this allows, KD-tree, single precision.
+    # Contact of solids (absent in the paper) stays on: its Figures 5 and 6 need it.
+    "paper": {
+        "time": {"n_sub": 1},
+        "fluid": {"sound_speed": "legal"},
+        "heat": {
+            "law": "paper", "solver": "pairs_coloured", "sweep_dt": "full", "volume": "current",
+            "latent": False, "refreeze": False,
+        },
+        "solver": {
+            "mirror": 0.0, "solid_scale": 1.0, "solid_volume": "rest", "damping": 0.0, "guard": False,
+            "neighbours": "kdtree", "precision": "single", "refill": "all", "melt_to": "water",
+            "density_form": "number", "calibrate_mass": False,
+        },
+    },
+    # Latent heat, real heat capacities, melting that keeps the mass.
+    "physical": {
+        "heat": {"law": "physical", "latent": True},
+        "solver": {"melt_to": "own", "density_form": "volume"},
+    },
+}
+OPTIONAL_SECTIONS = {"heat"}

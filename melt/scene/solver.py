@@ -1,0 +1,84 @@
+"""Numerical choices of a scene, each a knob of the speed-accuracy trade."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
+
+from melt.scene.quantities import NonNegative, Positive, Section, Share, quantity
+
+Width = Annotated[int, Field(ge=0, le=5)]
+
+
+class Solver(Section):
+    """Numerical method."""
+
+    pressure: Literal["wcsph"] = "wcsph"
+    kernel: Literal["cubic", "wendland2", "mueller"] = "cubic"
+    """Smoothing function W."""
+    laplacian: Literal["visc", "brook", "brook_regular"] = "visc"
+    """Weight of second derivatives: Mueller's viscosity kernel, Brookshaw's form, or that regularised."""
+    support: Annotated[quantity("number", above=1, at_most=6), Field()] = 2.5
+    """Support radius in spacings, h/dx."""
+    neighbours: Literal["grid", "kdtree"] = "grid"
+    max_neighbours: PositiveInt = 128
+    """Initial capacity of neighbour lists; it grows when a list overflows."""
+    precision: Literal["single", "mixed", "double"] = "mixed"
+    """"mixed": positions and their sums in float64, pair work in float32."""
+    integration: Literal["symplectic", "kdk"] = "symplectic"
+    """Leap-frog variant."""
+    motion: bool = True
+    """False: nothing moves, only heat and phase change happen."""
+    density_form: Literal["number", "volume"] = "number"
+    """"number": the paper's eq (1); "volume": sums of each particle's own volume."""
+    calibrate_mass: bool | Literal["auto"] = "auto"
+    """Scale the density so that the rest lattice has the rest density; "auto": if it is off by over 0.5 %."""
+    mirror: Share = 1.0
+    """Share of the liquid's pressure that solids and walls carry; 0 is the paper's eq (2)."""
+    solid_volume: Literal["rest", "akinci", "shell"] = "rest"
+    """Volumes of solid particles in density sums."""
+    solid_scale: Positive = 0.77
+    """Factor on the volumes of solids, calibrated so that bodies float at their depth."""
+    guard: bool = True
+    """Push liquid out of solids and walls that it came too close to."""
+    guard_distance: Positive = 0.5
+    """Distance of the guard in spacings."""
+    contact: bool = True
+    """Contact of solids with each other and with walls."""
+    contact_distance: Positive = 1.0
+    """Distance of contact in spacings."""
+    contact_stiffness: NonNegative = 0.25
+    """Stiffness in units of reduced mass / dt^2."""
+    contact_damping: Share = 0.5
+    """Share of the normal approach speed removed per sub-step."""
+    contact_friction: NonNegative = 0.2
+    """Coulomb coefficient."""
+    baseline: Literal["none", "rigid"] = "none"
+    """"rigid": each connected piece is one rigid body (reconstruction of Iwasaki et al. 2010)."""
+    width: Width = 2
+    """Hops w of a shape matching region."""
+    stiffness: Annotated[quantity("number", at_least=0, at_most=1), Field()] = 1.0
+    """Share of the way to the goal position taken per sub-step."""
+    damping: Share = 0.05
+    """Damping towards region-rigid motion per outer step."""
+    rotation: Literal["svd", "horn", "iterative"] = "horn"
+    """Routine of the region rotation."""
+    rotation_iterations: PositiveInt | Literal["auto"] = "auto"
+    """Cap of "iterative": 60 in double, 25 in single and mixed precision."""
+    rotation_tolerance: Positive | None = None
+    """Of "iterative": 1e-10 in double, 1e-6 in single and mixed precision unless given."""
+    refill: Literal["all", "changed", "affected"] = "affected"
+    """Regions to fill again after melting; all three give the same regions."""
+    connect: Literal[6, 18, 26] = 26
+    """Voxel neighbours that bond."""
+    melt_every: PositiveInt = 1
+    """Outer steps between melt tests."""
+    melt_to: Literal["water", "own"] = "water"
+    """"water": melt becomes the ambient liquid, volume kept; "own": mass kept, V0 = m / liquid_density."""
+    crumb: NonNegativeInt = 0
+    """Pieces with fewer particles become liquid at once; 0 is off."""
+
+    @model_validator(mode="after")
+    def _fits(self):
+        if self.baseline == "rigid" and self.width == 0:
+            raise ValueError("width = 0 has no regions to be rigid: set width to 1 or more")
+        return self
