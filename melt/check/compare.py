@@ -1,10 +1,12 @@
 """Run one stage on one backend with poisoned outputs, and measure the difference of two runs."""
 
+import contextlib
 import importlib
 from typing import NamedTuple
 
 import numpy as np
 
+from melt import _compile
 from melt.fields import FIELDS
 from melt.stages import STAGES
 
@@ -31,11 +33,37 @@ def poisoned(array):
     return np.full_like(array, np.nan if array.dtype.kind == "f" else SENTINEL)
 
 
-def run_stage(name, backend, arrays, params):
+class InputChanged(AssertionError):
+    """A stage wrote to an array that the registry does not list under its writes."""
+
+
+@contextlib.contextmanager
+def _where(backend):
+    """Let CUDA kernels run emulated for the backend ``cuda-emulated``; others keep what is set."""
+    before = _compile.Kernel.emulated
+    if backend == "cuda-emulated":
+        _compile.Kernel.emulated = True
+    elif backend == "cuda-simulated":
+        _compile.Kernel.emulated = False
+    try:
+        yield backend.startswith("cuda") and not _compile.Kernel.emulated
+    finally:
+        _compile.Kernel.emulated = before
+
+
+def run_stage(name, backend, arrays, params, function=None):
     """Run a stage on copies of ``arrays`` and return its outputs by name.
 
-    ``arrays`` holds every field of the stage (outputs give shape and dtype, and the start
-    value where the stage also reads them or writes a subset); ``params`` its parameters.
+    Args:
+        backend: ``reference``, ``cpu``, ``cuda`` (where `Kernel.emulated` says), ``cuda-emulated``
+            or ``cuda-simulated`` (in a process of its own).
+        arrays: every field of the stage; outputs give shape and dtype, and the start value where
+            the stage also reads them or writes a subset.
+        params: the stage's parameters by name.
+        function: run this instead of the stage's own function (planted faults).
+
+    Raises:
+        InputChanged: the stage wrote to one of its inputs.
     """
     stage = STAGES[name]
     given = {}
@@ -45,8 +73,39 @@ def run_stage(name, backend, arrays, params):
             continue
         keep = field not in stage.writes or field in stage.reads or stage.partial
         given[field] = arrays[field].copy() if keep else poisoned(arrays[field])
-    stage_function(name, backend)(*(given[a] for a in stage.arguments))
+    function = function or stage_function(name, backend.split("-")[0])
+    with _where(backend) as on_device:
+        if on_device:
+            there = {k: _compile.cuda.to_device(v) if isinstance(v, np.ndarray) else v for k, v in given.items()}
+            function(*(there[a] for a in stage.arguments))
+            given.update({k: v.copy_to_host() for k, v in there.items() if k not in stage.params})
+        else:
+            function(*(given[a] for a in stage.arguments))
+    for field in stage.reads:
+        if field not in stage.writes and given[field].tobytes() != arrays[field].tobytes():
+            raise InputChanged(f"stage {name} on {backend}: wrote to {field}, which the registry does not list")
     return {field: given[field] for field in stage.writes if field not in stage.scratch}
+
+
+def meaning(field, outputs):
+    """Return a mask of the elements of an output that mean anything, or None for all.
+
+    A neighbour row means nothing behind its count, and nothing at all if it overflowed: the host
+    grows the lists and has them built again.
+    """
+    if field != "neighbour_index" or "neighbour_count" not in outputs:
+        return None
+    count, capacity = outputs["neighbour_count"], outputs[field].shape[1]
+    used = np.arange(capacity)[None, :] < count[:, None]
+    return used & (count[:, None] <= capacity)
+
+
+def unwritten(name, field, array, mask=None):
+    """Return whether a poisoned output still holds poison where the stage must have written."""
+    if STAGES[name].partial or array.size == 0:
+        return False
+    poison = np.isnan(array) if array.dtype.kind == "f" else array == SENTINEL
+    return bool((poison if mask is None else poison & mask).any())
 
 
 def difference(name, field, reference, got, precision, scales):
@@ -71,7 +130,24 @@ def difference(name, field, reference, got, precision, scales):
     return Difference(field, float(ratio[worst]), tuple(int(w) for w in worst), float(ref[worst]), float(new[worst]))
 
 
+def compare_outputs(name, first, second, precision, scales):
+    """Return {field: worst `Difference`} of the outputs ``second`` from ``first``.
+
+    Poison left in either is an infinite difference, even if it is left in both.
+    """
+    found = {}
+    for field, ref in first.items():
+        got, mask = second[field], meaning(field, first)
+        if mask is not None:
+            ref, got = np.where(mask, ref, 0), np.where(mask, got, 0)
+        worst = difference(name, field, ref, got, precision, scales)
+        if unwritten(name, field, first[field], mask) or unwritten(name, field, second[field], mask):
+            worst = worst._replace(ratio=np.inf)
+        found[field] = worst
+    return found
+
+
 def compare_stage(name, backends, arrays, params, precision, scales):
     """Return {field: worst `Difference`} of ``backends[1]`` from ``backends[0]``."""
     first, second = (run_stage(name, b, arrays, params) for b in backends)
-    return {f: difference(name, f, first[f], second[f], precision, scales) for f in first}
+    return compare_outputs(name, first, second, precision, scales)

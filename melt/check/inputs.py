@@ -1,0 +1,207 @@
+"""Inputs of every stage for the cross-check: one consistent random scene, cut to what a stage reads.
+
+`make` gives arrays, parameter tuples and scales; `choices` lists the variants of a stage (smoothing
+functions, laws, region widths, an empty scene ...), each of which is checked. A stage that reads
+something nobody described here is an error that names it, never a silent zero.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from melt import params as P
+from melt.check import _cloud, _sites
+from melt.check._fields import particle_fields, special_fields
+from melt.fields import FIELDS
+from melt.stages import STAGES
+from melt.state import REAL, dtype_of
+
+#: Parameter tuples with values that exercise every term.
+TUPLES = {
+    "smoothing": (P.Smoothing, dict(support=_cloud.SUPPORT, kernel=P.CUBIC, laplacian=P.L_VISC)),
+    "grid": (P.Grid, {}),  # from the cloud
+    "fluid": (P.Fluid, dict(
+        sound_speed=20.0, viscosity=P.ARTIFICIAL, alpha=0.2, mu=0.5, solid_friction=0.15, wall_friction=0.05,
+        mirror=1.0, clamp=1, density_factor=1.0015, minimum_volume=_cloud.SPACING**3, number_density=1,
+        gravity_x=0.3, gravity_y=-0.2, gravity_z=-9.81, expansion=2e-4, reference_temperature=20.0,
+        drag=0.5, xsph=0.1, surface_tension=0.7)),
+    "lattice": (P.Lattice, dict(
+        width=2, spacing=_cloud.SPACING, solid_volume=P.VOLUME_REST, solid_scale=0.77, rotation=P.ROTATION_SVD,
+        iterations=60, tolerance=1e-7, stiffness=0.9, damping=0.05, refill=P.REFILL_AFFECTED, connect=26)),
+    "contact": (P.Contact, dict(distance=_cloud.SPACING, stiffness=0.25, damping=0.1, friction=0.2)),
+    "guard": (P.Guard, dict(distance=0.5 * _cloud.SPACING)),
+    "heat": (P.Heat, dict(
+        law=P.HEAT_PHYSICAL, current_volume=0, full_sweep=0, latent=1, ambient_temperature=15.0,
+        ambient_transfer=200.0, full_neighbours=80.0, spacing=_cloud.SPACING, wall_fixed=0)),
+    "change": (P.Change, dict(
+        own_liquid=1, latent=1, hysteresis=0.5, reach=0.6 * _cloud.SPACING, speed=2.0)),
+    "domain": (P.Domain, dict(
+        lower_x=-1.0, lower_y=-1.0, lower_z=-1.0, upper_x=1.5, upper_y=6.0, upper_z=20.0, delete=1)),
+}
+
+#: Scalars: value; an int stays int32, a float gets the run's precision.
+SCALARS = {
+    "dt": 1e-3, "smallest": 3, "factor": 0.3, "full_neighbours": 80.0,
+    "first": 2, "count": 5, "slot": 7, "lag": 2e-3,
+}
+
+#: Entries of parameter tuples that switch code paths, and the values to try one at a time.
+SWITCHES = {
+    "smoothing": {"kernel": (0, 1, 2), "laplacian": (0, 1, 2)},
+    "fluid": {"viscosity": (0, 1), "clamp": (0, 1), "number_density": (0, 1), "mirror": (0.0, 1.0)},
+    "lattice": {"solid_volume": (0, 1, 2), "rotation": (0, 1, 2), "refill": (0, 1, 2), "connect": (6, 18, 26),
+                "width": (0, 1, 2)},
+    "heat": {"law": (0, 1), "current_volume": (0, 1), "full_sweep": (0, 1), "latent": (0, 1), "wall_fixed": (0, 1)},
+    "change": {"own_liquid": (0, 1), "latent": (0, 1)},
+    "domain": {"delete": (0, 1)},
+}
+
+#: Extra variants of single stages.
+EXTRA = {
+    "reorder_scalar": [{"kind": "int"}],
+    "neighbours_grid": [{"capacity": 20}],
+    "neighbours_kdtree": [{"capacity": 20}],
+    "crumble": [{"smallest": 0}, {"smallest": 8}],
+}
+
+#: What stages need besides when there is no particle, or one.
+SMALL = {"emit_motion": {"count": 0, "slot": 0}, "emit_matter": {"count": 0, "slot": 0}}
+
+#: Stages that bring particles into cell order: their input is not in it.
+_UNORDERED = {"cell_index", "cell_sort", "reorder_scalar", "reorder_vector", "site_particle", "kdtree_build",
+              "neighbours_kdtree"}
+
+
+class UnknownInput(KeyError):
+    """A stage reads something that the check inputs do not describe."""
+
+    def __str__(self):
+        return self.args[0]
+
+
+def scales(n):
+    """Return the natural scales of fields: typical magnitudes in the check scene."""
+    volume, speed, pressure = _cloud.SPACING**3, 2.0, 1000 * 20.0**2 / 7 * 0.5
+    mass = 1000 * volume
+    return dict(
+        spacing=_cloud.SPACING, speed=speed, mass=mass, volume=volume, density=1000.0, pressure=pressure,
+        force=pressure * volume / _cloud.SPACING, temperature=50.0, conductivity=2.0,
+        heat_capacity=mass * 4187.0, latent_energy=mass * 334e3, number_density=1 / volume, one=1.0,
+        rate=speed / _cloud.SPACING, specific_heat=4187.0, latent_heat=334e3,
+    )
+
+
+@lru_cache(maxsize=16)
+def scene(n, seed, ordered, width, connect):
+    """Return (arrays, grid) of the whole check scene in float64 and int64. Do not write to it."""
+    arrays, grid, rng = _cloud.cloud(n, seed, ordered)
+    arrays.update(particle_fields(arrays, scales(n), rng))
+    _sites.sites(n, arrays, rng, width, connect)
+    arrays.update(special_fields(arrays, grid, scales(n), rng))
+    for array in arrays.values():
+        array.flags.writeable = False
+    return arrays, grid
+
+
+def _params(stage, real, grid, choice):
+    found = {}
+    for name in stage.params:
+        if name in TUPLES:
+            kind, values = TUPLES[name]
+            values = dict(grid) if name == "grid" else dict(values)
+            values.update({k: v for k, v in choice.items() if k in values})
+            found[name] = P.make(kind, real, **values)
+        elif name in SCALARS:
+            value = choice.get(name, SCALARS[name])
+            found[name] = np.int32(value) if isinstance(value, int) else real(value)
+        else:
+            raise UnknownInput(f"stage {stage.name}: no check input for parameter {name!r} (melt/check/inputs.py)")
+    return found
+
+
+def _generic(field, like, all_scales, rng):
+    """A field nobody computed: random reals of its scale; there is no harmless random index."""
+    sizes = {}
+    for other, array in like.items():
+        if other in FIELDS:
+            sizes.update({e: array.shape[k] for k, e in enumerate(FIELDS[other].shape) if not e.isdigit()})
+    missing = [e for e in field.shape if not e.isdigit() and e not in sizes]
+    if field.kind == "int" or missing:
+        raise UnknownInput(f"no check input for field {field.name!r} (melt/check/_fields.py)")
+    shape = tuple(int(e) if e.isdigit() else sizes[e] for e in field.shape)
+    return rng.uniform(0.5, 1.5, shape) * all_scales.get(field.scale, 1.0)
+
+
+def _array(stage, name, arrays, grid, choice, all_scales, rng):
+    if name in ("source", "target"):
+        vector = stage.name.endswith("vector")
+        if choice.get("kind") == "int":
+            return rng.integers(-9, 9, arrays["phase"].shape), "int"
+        return (arrays["velocity"] if vector else arrays["mass"]) + 0.0, "real"
+    field = FIELDS[name]
+    if name in ("neighbour_count", "neighbour_index") and "capacity" in choice:
+        rows = _cloud.neighbour_rows(arrays["position"].T, arrays["phase"])
+        count, index = _cloud.padded(rows, choice["capacity"])
+        return (count if name == "neighbour_count" else index), field
+    if name in arrays:
+        return arrays[name], field
+    try:
+        return _generic(field, arrays, all_scales, rng), field
+    except UnknownInput as error:
+        # a pure output needs only a shape: written fields are poisoned before the call
+        if name in stage.writes and name not in stage.reads and field.shape[-1] in ("particle", "site"):
+            like = arrays["phase"] if field.shape[-1] == "particle" else arrays["site_body"]
+            return np.zeros(tuple(int(e) for e in field.shape[:-1]) + like.shape), field
+        raise UnknownInput(f"stage {stage.name}: {error}") from None
+
+
+def make(stage_name, precision, n=301, seed=0, choice=None):
+    """Return (arrays, params, scales) with which stage ``stage_name`` can be run.
+
+    Args:
+        precision: ``single``, ``mixed`` or ``double``.
+        n: particles, inactive slots included; bodies need 150, extremes (coincident, isolated ...) 40.
+        choice: one of `choices(stage_name)`, e.g. ``{"kernel": 1}``.
+    """
+    stage, choice, real = STAGES[stage_name], choice or {}, REAL[precision]
+    n = choice.get("n", n)
+    width, connect = choice.get("width", 2), choice.get("connect", 26)
+    arrays, grid = scene(n, seed, stage_name not in _UNORDERED, width, connect)
+    if stage_name == "fill_regions":
+        arrays = _sites.after_melting(arrays)
+    rng = np.random.default_rng(seed + 1)
+    all_scales = scales(n)
+    cast = {}
+    for name in stage.arguments:
+        if name in stage.params:
+            continue
+        array, field = _array(stage, name, arrays, grid, choice, all_scales, rng)
+        kind = {"int": np.int32, "real": real}[field] if isinstance(field, str) else dtype_of(field, precision)
+        cast[name] = np.ascontiguousarray(array, dtype=kind).copy()
+    _exact_thresholds(stage, cast)
+    return cast, _params(stage, real, grid, choice), all_scales
+
+
+def _exact_thresholds(stage, cast):
+    """Put one temperature exactly at its melting point and one just below, in the run's own precision."""
+    T, material, melts = (cast.get(k) for k in ("temperature", "material", "material_melting_point"))
+    if T is None or material is None or melts is None:
+        return
+    finite = np.flatnonzero(np.isfinite(melts[material]))
+    for k, i in enumerate(finite):
+        if k % 5 == 0:
+            T[i] = melts[material[i]]
+        elif k % 5 == 1:
+            T[i] = np.nextafter(melts[material[i]], T.dtype.type(-np.inf))
+
+
+def choices(stage_name):
+    """Return the variants of a stage: the base case, each switch's other values, none and one particle."""
+    stage = STAGES[stage_name]
+    found = [{}]
+    for name in stage.params:
+        for switch, values in SWITCHES.get(name, {}).items():
+            base = TUPLES[name][1][switch]
+            found += [{switch: v} for v in values if v != base]
+    small = SMALL.get(stage_name, {})
+    return found + EXTRA.get(stage_name, []) + [{"n": 0, **small}, {"n": 1, **small}]
