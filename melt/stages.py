@@ -157,6 +157,7 @@ _LIST = [
            f"position conductivity heat_volume heat_capacity {_NEAR}", "smoothing heat", "heat_rate", _SUM),
     _stage("heat_conductance", "heat_cg", "melting 2.5", f"position conductivity heat_volume {_NEAR}", "smoothing heat",
            "heat_conductance", _SUM, partial=True),
+    _stage("cg_guess", "heat_cg", "melting 2.5", "temperature", "", "temperature_next heat_flux", _COPY),
     _stage("cg_state", "heat_cg", "melting 3.5",
            f"heat_capacity {_LATENT} temperature latent_energy heat_flux temperature_next", "heat",
            "temperature_next heat_linear heat_excess", _FEW),
