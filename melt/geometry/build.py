@@ -1,0 +1,207 @@
+"""Initial state of a scene: arrays named as in `melt.fields`, float64 and int32."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from melt.errors import GeometryError
+from melt.geometry.materials import heater_table, material_table
+from melt.geometry.nozzles import nozzle_table
+from melt.geometry.shapes import keys, sample
+from melt.geometry.walls import beyond_walls, lost_box, wall_cells
+from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
+
+
+@dataclass
+class Initial:
+    """Arrays of a scene at t = 0 and what else a run needs to know of its geometry.
+
+    Particles stand in the order liquid, solid, wall, inactive slots. All but inflow stand on one
+    lattice, so two are either in the same cell (refused, or removed with a note) or a spacing apart.
+    """
+
+    arrays: dict  # by field name
+    spacing: float  # dx [m]
+    domain_lower: np.ndarray  # inside the walls [m]
+    domain_upper: np.ndarray
+    lost_lower: np.ndarray  # outside of this box particles count as lost [m]
+    lost_upper: np.ndarray
+    materials: list  # names of the material rows
+    bodies: list  # names of the bodies (values of site_body)
+    nozzles: list  # `melt.geometry.nozzles.Nozzle`
+    notes: list = field(default_factory=list)  # what was moved, rounded or removed
+
+    def __getitem__(self, name):
+        return self.arrays[name]
+
+    def __contains__(self, name):
+        return name in self.arrays
+
+    @property
+    def counts(self):
+        """Return {phase name: particles}; "inactive" are slots that the inflow will fill."""
+        phase = self.arrays["phase"]
+        names = {"liquid": LIQUID, "solid": SOLID, "wall": WALL, "inactive": INACTIVE}
+        return {name: int((phase == number).sum()) for name, number in names.items()}
+
+    @property
+    def active(self):
+        """Particles at the start: the first slots, in this number."""
+        return int((self.arrays["phase"] != INACTIVE).sum())
+
+
+def build(scene):
+    """Sample the geometry of a `melt.scene.Scene` and return its `Initial` state.
+
+    Raises:
+        GeometryError: bodies overlap each other or the walls, a mesh cannot be used.
+        SceneError: solids that share a material differ in its values.
+    """
+    notes = []
+    walls = _walls(scene, notes)
+    solids = _solids(scene, walls, notes)
+    fills = _fills(scene, walls, solids, notes)
+    table, names, rows = material_table(scene)
+    nozzles, inflow = nozzle_table(scene)
+    spare = sum(n.layers * n.count for n in nozzles)
+    arrays = _particles(scene, fills, solids, walls, spare, rows, table)
+    arrays.update(_sites(scene, solids, arrays, notes))
+    arrays.update(table)
+    if scene.heat is not None:
+        arrays.update(heater_table(scene.heat))
+    if nozzles:
+        arrays.update(inflow)
+    lower = np.array(scene.domain.lower, float)
+    lost = lost_box(scene.domain, scene.support)
+    return Initial(
+        arrays, scene.spacing, lower, lower + np.array(scene.domain.cells) * scene.spacing, *lost,
+        names, [solid.name for solid in scene.solid], nozzles, notes,
+    )
+
+
+def _walls(scene, notes):
+    """Cells of walls and obstacles; an obstacle may stand in a wall."""
+    cells = [wall_cells(scene.domain)]
+    cells += [sample(o, scene.domain, f"obstacle {k}", notes) for k, o in enumerate(scene.obstacle)]
+    cells = np.hstack(cells)
+    first = np.unique(keys(cells), return_index=True)[1]
+    return cells[:, np.sort(first)]
+
+
+def _solids(scene, walls, notes):
+    """Cells of each solid."""
+    taken = {"a wall or obstacle": keys(walls)}
+    bodies = []
+    for solid in scene.solid:
+        name = f"solid {solid.name!r}"
+        cells = sample(solid, scene.domain, name, notes)
+        _within(cells, scene.domain, name)
+        for other, theirs in taken.items():
+            shared = int(np.isin(keys(cells), theirs).sum())
+            if shared:
+                raise GeometryError(f"{name} stands in {other} with {shared} of its {cells.shape[1]} particles: move it")
+        taken[name] = keys(cells)
+        bodies.append(cells)
+    return bodies
+
+
+def _fills(scene, walls, solids, notes):
+    """Cells of each liquid region, without those that something else takes."""
+    obstacles, bodies = keys(walls), keys(np.hstack([np.zeros((3, 0), np.int64), *solids]))
+    filled, fills = np.zeros(0, np.int64), []
+    for k, fill in enumerate(scene.fluid.fill):
+        name = f"fluid.fill {k}"
+        cells = sample(fill, scene.domain, name, notes)
+        mine = keys(cells)
+        hit, again = np.isin(mine, obstacles) | np.isin(mine, bodies), np.isin(mine, filled)
+        if hit.any():
+            notes.append(f"{name}: removed {int(hit.sum())} liquid particles closer than 0.9 dx to a solid or wall")
+        if (again & ~hit).any():
+            notes.append(f"{name}: removed {int((again & ~hit).sum())} liquid particles that an earlier region has")
+        cells = cells[:, ~(hit | again)]
+        _within(cells, scene.domain, name)
+        filled = np.concatenate([filled, keys(cells)])
+        fills.append(cells)
+    return fills
+
+
+def _within(cells, domain, name):
+    for side, count in beyond_walls(cells, domain).items():
+        raise GeometryError(
+            f"{name} reaches through the wall {side} with {count} particles: move it, or enlarge the domain "
+            f"(now {domain.lower} to {domain.upper} m)"
+        )
+
+
+def _particles(scene, fills, solids, walls, spare, rows, table):
+    """Arrays over particles."""
+    dx, fluid, heat = scene.spacing, scene.fluid, scene.heat
+    wall_temperature = fluid.temperature if heat is None or heat.wall_temperature is None else heat.wall_temperature
+    # (cells, phase, material, velocity, temperature) of each group, in the order of the arrays
+    groups = [
+        (c, LIQUID, 0, f.velocity, fluid.temperature if f.temperature is None else f.temperature)
+        for c, f in zip(fills, fluid.fill)
+    ]
+    groups += [(c, SOLID, row, s.velocity, s.temperature) for c, s, row in zip(solids, scene.solid, rows)]
+    groups += [(walls, WALL, 0, (0, 0, 0), wall_temperature)]
+    # inactive slots wait at the domain's corner: no stage reads their place
+    groups += [(np.zeros((3, spare), np.int64), INACTIVE, 0, (0, 0, 0), fluid.temperature)]
+    size = [g[0].shape[1] for g in groups]
+    material = np.repeat(np.array([g[2] for g in groups], np.int32), size)
+    phase = np.repeat(np.array([g[1] for g in groups], np.int32), size)
+    used = phase != INACTIVE
+    cells = np.hstack([g[0] for g in groups])
+    arrays = {
+        "id": np.arange(sum(size), dtype=np.int32),
+        "phase": phase,
+        "material": material,
+        "site": np.full(sum(size), -1, np.int32),
+        "position": np.array(scene.domain.lower)[:, None] + (cells + 0.5) * dx,
+        "velocity": np.repeat(np.array([g[3] for g in groups], float).T, size, axis=1),
+        "mass": np.where(used, table["material_density"][material] * dx**3, 0.0),
+        "rest_volume": np.where(used, dx**3, 0.0),
+    }
+    if heat is not None:
+        arrays["temperature"] = np.repeat(np.array([g[4] for g in groups], float), size)
+    return arrays
+
+
+def _sites(scene, solids, arrays, notes):
+    """Arrays over lattice sites, and the field ``site`` of solid particles."""
+    solid = np.flatnonzero(arrays["phase"] == SOLID).astype(np.int32)
+    arrays["site"][solid] = np.arange(len(solid), dtype=np.int32)
+    vacant = _vacant(scene, solids)
+    cells = [np.hstack([c, v]) for c, v in zip(solids, vacant)]
+    # all live sites first (in the order of their particles), then the vacant ones
+    live = np.concatenate([np.zeros(0, bool), *(np.arange(c.shape[1]) < s.shape[1] for c, s in zip(cells, solids))])
+    order = np.concatenate([np.flatnonzero(live), np.flatnonzero(~live)])
+    # the body's own origin is a lattice point near its middle: rest positions stay small and exact
+    origin = [np.floor(c.mean(axis=1)).astype(np.int64) if c.size else np.zeros(3, np.int64) for c in solids]
+    rest = [scene.spacing * (c - o[:, None]) for c, o in zip(cells, origin)]
+    body = np.concatenate([np.zeros(0, np.int32), *(np.full(c.shape[1], b, np.int32) for b, c in enumerate(cells))])
+    particle = np.full(len(order), -1, np.int32)
+    particle[: len(solid)] = solid
+    return {
+        "site_particle": particle,
+        "site_cell": np.hstack([np.zeros((3, 0), np.int32), *cells]).astype(np.int32)[:, order],
+        "site_rest": np.hstack([np.zeros((3, 0)), *rest])[:, order],
+        "site_body": body.astype(np.int32)[order],
+    }
+
+
+def _vacant(scene, solids):
+    """Cells around each body that liquid may freeze to; a cell between two bodies goes to the first."""
+    heat = scene.heat
+    if heat is None or not heat.refreeze or heat.freeze_layers == 0:
+        return [np.zeros((3, 0), np.int64) for _ in solids]
+    reach = heat.freeze_layers
+    offsets = np.indices((2 * reach + 1,) * 3).reshape(3, -1) - reach
+    taken = keys(np.hstack([np.zeros((3, 0), np.int64), *solids]))
+    found = []
+    for cells in solids:
+        around = (cells[:, :, None] + offsets[:, None, :]).reshape(3, -1)
+        around = around[:, np.unique(keys(around), return_index=True)[1]]
+        around = around[:, ~np.isin(keys(around), taken)]
+        taken = np.concatenate([taken, keys(around)])
+        found.append(around)
+    return found

@@ -1,0 +1,47 @@
+"""Walls around the domain, on its lattice; the box outside of which particles are lost."""
+
+import numpy as np
+
+from melt.scene.model import SIDES
+
+
+def wall_cells(domain):
+    """Return the cells (3, n) of the walls: ``layers`` outside of each walled side, edges and corners filled."""
+    layers, sides = domain.walls.layers, domain.walls.sides
+    cells = np.array(domain.cells)
+    index = np.indices(cells + 2 * layers).reshape(3, -1) - layers
+    outside = np.zeros(index.shape[1], dtype=bool)
+    allowed = np.ones(index.shape[1], dtype=bool)
+    for k, side in enumerate(SIDES):
+        axis = k // 2
+        beyond = index[axis] < 0 if k % 2 == 0 else index[axis] >= cells[axis]
+        outside |= beyond
+        if side not in sides:
+            allowed &= ~beyond
+    if domain.walls.height is not None and "z+" not in sides:
+        allowed &= index[2] < int(np.ceil(domain.walls.height / domain.spacing - 1e-6))
+    index = index[:, outside & allowed]
+    return index[:, np.lexsort((index[0], index[1], index[2]))]
+
+
+def beyond_walls(cells, domain):
+    """Return {side: number of cells that lie beyond that walled side of the domain}."""
+    size = np.array(domain.cells)
+    found = {}
+    for side in domain.walls.sides:
+        axis = SIDES.index(side) // 2
+        beyond = cells[axis] < 0 if side.endswith("-") else cells[axis] >= size[axis]
+        if beyond.any():
+            found[side] = int(beyond.sum())
+    return found
+
+
+def lost_box(domain, support):
+    """Return (lower, upper): half a spacing beyond the walls and a support; a whole domain beyond open sides."""
+    lower = np.array(domain.lower, float)
+    extent = np.array(domain.cells) * domain.spacing
+    near = (domain.walls.layers + 0.5) * domain.spacing + support
+    margin = {side: near if side in domain.walls.sides else max(near, float(extent.max())) for side in SIDES}
+    below = np.array([margin[s] for s in ("x-", "y-", "z-")])
+    above = np.array([margin[s] for s in ("x+", "y+", "z+")])
+    return lower - below, lower + extent + above
