@@ -16,7 +16,7 @@ def W(r, smoothing):
     """Return W(r) [1/m^3]: cubic spline, Wendland C2 or poly6."""
     real = type(r)
     h = smoothing.support
-    q = r / h
+    q = r * (real(1) / h)  # the reciprocal leaves the neighbour loop, a division by h would not
     a = max(real(1) - q, real(0))
     if smoothing.kernel == CUBIC:
         # 8/(pi h^3) (6q^3 - 6q^2 + 1 | 2(1-q)^3) in one branch-free form
@@ -34,7 +34,7 @@ def dW(r, smoothing):
     """Return W'(r) <= 0 [1/m^4]; spiky where W is poly6. The gradient is dW(r) x_ij / r."""
     real = type(r)
     h = smoothing.support
-    q = r / h
+    q = r * (real(1) / h)
     a = max(real(1) - q, real(0))
     h4 = h * h * h * h
     if smoothing.kernel == CUBIC:

@@ -1,0 +1,74 @@
+"""CPU twin of `melt.reference.contact`."""
+
+import math
+
+import numpy as np
+
+from melt._compile import cpu_stage, prange
+from melt.physics.contact import contact_friction, contact_normal, reduced_mass
+from melt.physics.phases import SOLID, WALL
+
+
+@cpu_stage
+def contact_force(
+    position, velocity, phase, mass, site, site_component, site_link_count, site_cell,
+    neighbour_count, neighbour_index, contact, dt, force,
+):
+    """See `melt.reference.contact.contact_force`."""
+    real = type(dt)
+    wide = position.dtype.type
+    d = contact.distance
+    for i in prange(phase.shape[0]):
+        if phase[i] != SOLID:
+            continue
+        s = np.uint64(site[i])
+        if site_link_count[s] >= 27:
+            continue
+        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+        # vectorised: most surface particles touch nothing, only the rest enters the loop with branches
+        close = 0
+        for k in range(np.uint64(neighbour_count[i])):
+            j = np.uint64(neighbour_index[i, k])
+            x = real(x_i - position[0, j])
+            y = real(y_i - position[1, j])
+            z = real(z_i - position[2, j])
+            close += (x * x + y * y + z * z < d * d) & ((phase[j] == SOLID) | (phase[j] == WALL))
+        fx = fy = fz = wide(0)
+        for k in range(np.uint64(neighbour_count[i] if close > 0 else 0)):
+            j = np.uint64(neighbour_index[i, k])
+            if phase[j] != SOLID and phase[j] != WALL:
+                continue
+            x = real(x_i - position[0, j])
+            y = real(y_i - position[1, j])
+            z = real(z_i - position[2, j])
+            r = math.sqrt(x * x + y * y + z * z)
+            if r >= d or r < real(1e-9) * d:
+                continue
+            wall = phase[j] == WALL
+            if not wall:
+                t = np.uint64(site[j])
+                if site_link_count[t] >= 27:
+                    continue
+                apart = max(
+                    abs(site_cell[0, t] - site_cell[0, s]),
+                    abs(site_cell[1, t] - site_cell[1, s]),
+                    abs(site_cell[2, t] - site_cell[2, s]),
+                )
+                if apart <= 2 and site_component[t] == site_component[s]:
+                    continue
+            x, y, z = x / r, y / r, z / r
+            u = velocity[0, i] - velocity[0, j]
+            v = velocity[1, i] - velocity[1, j]
+            w = velocity[2, i] - velocity[2, j]
+            v_n = u * x + v * y + w * z
+            u, v, w = u - v_n * x, v - v_n * y, w - v_n * z
+            m = reduced_mass(mass[i], mass[j], wall)
+            normal = contact_normal(r, v_n, m, contact, dt)
+            b = contact_friction(normal, math.sqrt(u * u + v * v + w * w), m, contact, dt)
+            fx += normal * x - b * u
+            fy += normal * y - b * v
+            fz += normal * z - b * w
+        if close > 0:
+            force[0, i] += real(fx)
+            force[1, i] += real(fy)
+            force[2, i] += real(fz)

@@ -1,0 +1,31 @@
+"""CPU twin of `melt.reference.surface`."""
+
+import numpy as np
+
+from melt._compile import cpu_stage, prange
+from melt.physics.phases import LIQUID
+from melt.physics.smoothing import dW_over_r
+from melt.physics.surface import on_surface
+
+
+@cpu_stage
+def surface(position, phase, volume, neighbour_count, neighbour_index, smoothing, full_neighbours, surface):
+    """See `melt.reference.surface.surface`."""
+    real = type(smoothing.support)
+    wide = position.dtype.type
+    for i in prange(phase.shape[0]):
+        if phase[i] != LIQUID:
+            surface[i] = 0
+            continue
+        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+        gx = gy = gz = wide(0)
+        for k in range(np.uint64(neighbour_count[i])):
+            j = np.uint64(neighbour_index[i, k])
+            x = real(x_i - position[0, j])
+            y = real(y_i - position[1, j])
+            z = real(z_i - position[2, j])
+            c = volume[j] * dW_over_r(x * x + y * y + z * z, smoothing)
+            gx += c * x
+            gy += c * y
+            gz += c * z
+        surface[i] = on_surface(real(gx), real(gy), real(gz), neighbour_count[i], full_neighbours, smoothing)

@@ -1,0 +1,98 @@
+"""CPU twin of `melt.reference.volume`."""
+
+import math
+
+import numpy as np
+
+from melt._compile import cpu_stage, prange
+from melt.params import VOLUME_SHELL
+from melt.physics.phases import LIQUID, SOLID, WALL
+from melt.physics.smoothing import W
+
+
+@cpu_stage
+def liquid_volume(phase, rest_volume, fluid, volume):
+    """See `melt.reference.volume.liquid_volume`."""
+    for i in prange(phase.shape[0]):
+        if phase[i] == LIQUID and fluid.number_density == 1:
+            volume[i] = fluid.minimum_volume
+        elif phase[i] <= WALL:
+            volume[i] = rest_volume[i]
+        else:
+            volume[i] = 0
+
+
+@cpu_stage
+def rest_sum(site_rest, site_region, site_region_count, smoothing, rest_sum):
+    """See `melt.reference.volume.rest_sum`."""
+    real = type(smoothing.support)
+    for s in prange(site_region_count.shape[0]):
+        total = real(0)
+        if site_region_count[s] > 0:
+            x_s, y_s, z_s = site_rest[0, s], site_rest[1, s], site_rest[2, s]
+            for k in range(np.uint64(site_region.shape[1])):
+                member = site_region[s, k]
+                q = np.uint64(member if member >= 0 else s)
+                x = x_s - site_rest[0, q]
+                y = y_s - site_rest[1, q]
+                z = z_s - site_rest[2, q]
+                w = W(math.sqrt(x * x + y * y + z * z), smoothing)
+                total += w if member >= 0 else real(0)
+        rest_sum[s] = total
+
+
+@cpu_stage
+def solid_volume_rest(
+    position, rest_volume, site_particle, site_region, site_region_count, rest_sum,
+    smoothing, lattice, volume,
+):
+    """See `melt.reference.volume.solid_volume_rest`."""
+    real = type(smoothing.support)
+    wide = position.dtype.type
+    for s in prange(site_particle.shape[0]):
+        if site_particle[s] < 0 or site_region_count[s] == 0:
+            continue
+        i = np.uint64(site_particle[s])
+        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+        total = wide(0)
+        for k in range(np.uint64(site_region.shape[1])):
+            member = site_region[s, k]
+            j = np.uint64(site_particle[np.uint64(member if member >= 0 else s)])
+            x = real(x_i - position[0, j])
+            y = real(y_i - position[1, j])
+            z = real(z_i - position[2, j])
+            w = W(math.sqrt(x * x + y * y + z * z), smoothing)
+            total += w if member >= 0 else real(0)
+        volume[i] = lattice.solid_scale * rest_volume[i] * rest_sum[s] / real(total)
+
+
+@cpu_stage
+def solid_volume_akinci(
+    position, phase, site, site_component, site_link_count, neighbour_count, neighbour_index,
+    smoothing, lattice, volume,
+):
+    """See `melt.reference.volume.solid_volume_akinci`."""
+    real = type(smoothing.support)
+    wide = position.dtype.type
+    inside = 27 if lattice.solid_volume == VOLUME_SHELL else 28  # live links of a site that counts: fewer
+    for i in prange(phase.shape[0]):
+        if phase[i] != SOLID:
+            continue
+        s = np.uint64(site[i])
+        if site_link_count[s] >= inside:
+            volume[i] = 0
+            continue
+        own = site_component[s]
+        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+        total = wide(W(real(0), smoothing))
+        for k in range(np.uint64(neighbour_count[i])):
+            j = np.uint64(neighbour_index[i, k])
+            x = real(x_i - position[0, j])
+            y = real(y_i - position[1, j])
+            z = real(z_i - position[2, j])
+            w = W(math.sqrt(x * x + y * y + z * z), smoothing)
+            solid = phase[j] == SOLID
+            t = np.uint64(site[j] if solid else site[i])  # a legal site to look at in any case
+            counts = solid & (site_component[t] == own) & (site_link_count[t] < inside)
+            total += w if counts else real(0)
+        volume[i] = lattice.solid_scale / real(total)
