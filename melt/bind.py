@@ -20,6 +20,13 @@ from melt.stages import STAGES
 from melt.state import REAL
 
 
+def new_clock():
+    """Return the times and counters of a run at its start (a checkpoint keeps them)."""
+    return SimpleNamespace(
+        time=0.0, step=0, previous_dt=0.0, max_speed=0.0, max_acceleration=0.0, active=0, layers={},
+    )
+
+
 class Plain:
     """Run stages on one backend.
 
@@ -31,8 +38,9 @@ class Plain:
     def __init__(self, backend, state, params, need, settings, clock=None):
         self.backend, self.state, self.params = backend, state, params
         self.need, self.settings = need, settings
-        self.clock = clock or SimpleNamespace(time=0.0, previous_dt=0.0, max_speed=0.0, max_acceleration=0.0)
+        self.clock = clock or new_clock()
         self.notes = {}
+        self.listed = False  # neighbour lists are valid for good (nothing moves)
         self.launches = {}
         self._real = REAL[state.precision]
         self._bound = {}
@@ -178,8 +186,9 @@ class Recorder:
 
     def __init__(self, params, need, settings):
         self.params, self.need, self.settings = params, need, settings
-        self.clock = SimpleNamespace(time=0.0, previous_dt=0.0, max_speed=1.0, max_acceleration=1.0)
+        self.clock = new_clock()
         self.notes = {}
+        self.listed = False
         self.stages = []
         self.fields = []
 

@@ -14,6 +14,14 @@ from melt.systems.heat import heat
 from melt.systems.topology import freeze, melt_and_relink
 
 
+def start(do):
+    """Derive what the first step needs: thermal properties, site links, regions, components."""
+    if do.need.heat:
+        start_heat(do)
+    if do.need.solids:
+        start_topology(do)
+
+
 def step(do, dt):
     """Advance the state by one outer step of ``dt`` seconds."""
     need, settings, clock = do.need, do.settings, do.clock
@@ -42,9 +50,10 @@ def step(do, dt):
 
 def still_step(do, dt):
     """Advance heat and phase change alone: nothing moves (static scenes)."""
-    if do.clock.step == 0:
+    if not do.listed:  # once per run (or resume): the lists stay valid
         search(do)
         volumes(do)
+        do.listed = True
     if do.need.melting:
         melt_and_relink(do)
         if do.need.freezing:
@@ -93,6 +102,9 @@ def forces(do, sub_dt):
     do.fluid_force()
     if do.need.solids:
         do.reaction_force()
+    if do.need.laminar:
+        do.laminar_force()
+    if do.need.contact:
         do.contact_force(dt=sub_dt)
     if do.need.buoyancy:
         do.buoyancy()

@@ -1,0 +1,104 @@
+"""Ledgers of one output step: energy, mass, momentum, counts. Host side, float64."""
+
+import numpy as np
+
+from melt.physics.phases import INACTIVE, LIQUID, SOLID
+
+#: Name -> (unit, meaning) of every value that `series` returns.
+SERIES = {
+    "kinetic_energy": ("J", "of liquids and solids, with v^(n-1/2)"),
+    "potential_energy": ("J", "m g . x of liquids and solids, from the domain's origin"),
+    "thermal_energy": ("J", "sum of C T (paper mode: sum of V T in K m^3)"),
+    "latent_energy": ("J", "latent heat stored (paper mode: K m^3)"),
+    "mass": ("kg", "of liquids and solids"),
+    "mass_created": ("kg", "mass made (or lost, < 0) by melting into the ambient liquid since the start"),
+    "momentum_x": ("kg m/s", "of liquids and solids"),
+    "momentum_y": ("kg m/s", ""),
+    "momentum_z": ("kg m/s", ""),
+    "largest_speed": ("m/s", ""),
+    "density_error_max": ("1", "largest compression of a liquid particle, rho/rho_0 - 1"),
+    "density_error_mean": ("1", "mean of |rho/rho_0 - 1| over compressed liquid particles"),
+    "liquid_particles": ("1", ""),
+    "solid_particles": ("1", ""),
+    "lost_particles": ("1", "left the domain or became inactive after entering"),
+    "melted_fraction": ("1", "of the particles that were solid at the start"),
+    "neighbours_mean": ("1", "over liquid particles"),
+    "neighbours_max": ("1", ""),
+    "guard_pairs": ("1", "liquid-solid pairs that the guard pushed apart in the last sub-step"),
+    "temperature_min": ("degC", ""),
+    "temperature_max": ("degC", ""),
+    "temperature_mean": ("degC", "weighted with heat capacity"),
+}
+
+
+def series(do, start):
+    """Return the values of `SERIES` that the scene has, as {name: float}.
+
+    ``start`` holds what is compared with: ``solids`` (number at the start), ``mass_entered`` [kg].
+    """
+    state = do.state
+    order = np.argsort(state.read("id"), kind="stable")
+    get = {n: state.read(n) for n in _WANTED if n in state}
+    f = {n: (a[..., order] if a.shape[-1] == order.size else a) for n, a in get.items()}
+    wide = {n: a.astype(np.float64) for n, a in f.items() if a.dtype.kind == "f"}
+    phase = f["phase"]
+    mobile = (phase == LIQUID) | (phase == SOLID)
+    liquid = phase == LIQUID
+    m, v, x = wide["mass"][mobile], wide["velocity"][:, mobile], wide["position"][:, mobile]
+    momentum = (m * v).sum(axis=1)
+    fluid = do.params["fluid"]
+    g = np.array([fluid.gravity_x, fluid.gravity_y, fluid.gravity_z], dtype=np.float64)
+    values = {
+        "kinetic_energy": float(0.5 * (m * (v**2).sum(axis=0)).sum()),
+        "potential_energy": float(-(m * (g[:, None] * x).sum(axis=0)).sum()),
+        "mass": float(m.sum()),
+        "momentum_x": float(momentum[0]),
+        "momentum_y": float(momentum[1]),
+        "momentum_z": float(momentum[2]),
+        "largest_speed": float(np.sqrt((v**2).sum(axis=0).max(initial=0.0))),
+        "liquid_particles": int(liquid.sum()),
+        "solid_particles": int((phase == SOLID).sum()),
+        "lost_particles": int(do.clock.active - (phase != INACTIVE).sum()),
+    }
+    values["mass_created"] = values["mass"] - start["mass"] - start["mass_entered"](do.clock)
+    if "density" in wide and do.clock.step > 0 and liquid.any():
+        values.update(_compression(wide, liquid))
+    if "neighbour_count" in f and liquid.any():
+        values["neighbours_mean"] = float(f["neighbour_count"][liquid].mean())
+        values["neighbours_max"] = int(f["neighbour_count"].max())
+    if "offenders" in f:
+        values["guard_pairs"] = int(f["offenders"][liquid].sum())
+    if start["solids"]:
+        values["melted_fraction"] = 1.0 - values["solid_particles"] / start["solids"]
+    if "temperature" in wide:
+        values.update(_thermal(wide, mobile))
+    return values
+
+
+_WANTED = (
+    "phase position velocity mass volume density neighbour_count offenders "
+    "temperature heat_capacity latent_energy"
+).split()
+
+
+def _compression(wide, liquid):
+    rest = wide["mass"][liquid] / np.maximum(wide["volume"][liquid], 1e-300)
+    error = np.maximum(wide["density"][liquid] / rest - 1.0, 0.0)
+    compressed = error[error > 0]
+    return {
+        "density_error_max": float(error.max()),
+        "density_error_mean": float(compressed.mean()) if compressed.size else 0.0,
+    }
+
+
+def _thermal(wide, mobile):
+    T, C = wide["temperature"][mobile], wide["heat_capacity"][mobile]
+    if not T.size:
+        return {}
+    values = {"temperature_min": float(T.min()), "temperature_max": float(T.max())}
+    if C.any():
+        values["thermal_energy"] = float((C * T).sum())
+        values["temperature_mean"] = float((C * T).sum() / C.sum())
+    if "latent_energy" in wide:
+        values["latent_energy"] = float(wide["latent_energy"][mobile].sum())
+    return values

@@ -1,0 +1,175 @@
+"""Scene -> what runs: stages in order, fields, memory, sub-steps. Recorded from the step page.
+
+`prepare` gives all that a run needs beside the initial arrays; `plan` adds the forecast and the
+preflight findings that ``melt plan`` prints.
+"""
+
+import math
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+
+from melt.bind import Recorder
+from melt.constants import lattice_offsets, params_of, sound_speed_of
+from melt.fields import CARRIED, FIELDS
+from melt.physics.phases import LIQUID, SOLID
+from melt.state import REAL, bytes_of
+from melt.systems import melting
+
+#: Fields every run holds, whatever its stages use: they are written to the run file.
+ALWAYS = ("id", "phase", "material", "position", "velocity", "mass", "rest_volume")
+
+
+@dataclass
+class Prepared:
+    """All that a run needs beside its initial arrays."""
+
+    page: callable  # step(do, dt)
+    need: SimpleNamespace  # what the scene requires
+    settings: SimpleNamespace  # run-time choices of the step page
+    params: dict  # parameter tuples by registry name
+    sizes: dict  # extents
+    precision: str
+    stages: list  # names in order of first call
+    fields: list  # names, allocated
+    warnings: list = field(default_factory=list)
+
+    def bytes(self, name):
+        """Return the memory of one field [bytes]."""
+        return bytes_of(FIELDS[name], self.sizes, self.precision)
+
+    @property
+    def nbytes(self):
+        """Memory of all fields [bytes]."""
+        return sum(self.bytes(name) for name in self.fields)
+
+
+def needs(scene, initial):
+    """Return what the scene requires, as booleans that the step page asks for."""
+    heat, fluid, solver = scene.heat, scene.fluid, scene.solver
+    solids = initial.counts["solid"] > 0 or bool(scene.heat and heat.refreeze and scene.solid)
+    melts = np.isfinite(initial["material_melting_point"]).any()
+    matter = initial.counts["wall"] > 0 or solids
+    return SimpleNamespace(
+        solids=solids,
+        heat=heat is not None,
+        latent=heat is not None and heat.latent,
+        heaters=heat is not None and bool(heat.heater),
+        ambient=heat is not None and heat.ambient_transfer > 0,
+        melting=heat is not None and solids and bool(melts),
+        freezing=heat is not None and heat.refreeze and solids,
+        crumb=solver.crumb > 0,
+        inflow=bool(scene.inflow),
+        laminar=fluid.viscosity == "laminar" and fluid.mu > 0,
+        buoyancy=heat is not None and fluid.expansion != 0,
+        drag=fluid.drag > 0,
+        surface_tension=fluid.surface_tension > 0,
+        xsph=fluid.xsph > 0,
+        guard=solver.guard and matter,
+        contact=solver.contact and solids,
+        domain=scene.domain.leave == "delete",
+    )
+
+
+def fourier_number(scene, initial):
+    """Return Fo = alpha dt / dx^2 of the fastest material (alpha = 2 K in paper mode)."""
+    k = initial["material_conductivity"]
+    if scene.heat.law == "paper":
+        alpha = 2 * k
+    else:
+        alpha = k / (initial["material_density"] * initial["material_specific_heat"])
+    return float(alpha.max(initial=0.0)) * scene.time.dt / scene.spacing**2
+
+
+def settings_of(scene, initial, sound_speed, precision):
+    """Return the run-time choices of the step page."""
+    s, f, t, heat = scene.solver, scene.fluid, scene.time, scene.heat
+    mu = f.mu if f.viscosity == "laminar" else 0.0
+    solid = initial["phase"] == SOLID
+    density = initial["mass"][solid] / initial["rest_volume"][solid] if solid.any() else np.array([f.density])
+    chosen = SimpleNamespace(
+        neighbours=s.neighbours, solid_volume=s.solid_volume, rigid=s.baseline == "rigid", lattice_damping=s.damping,
+        leap_frog=s.integration, melt_every=s.melt_every, nozzles=initial.nozzles, capacity=initial["id"].size,
+        n_sub=None if t.n_sub == "auto" else t.n_sub, n_sub_max=t.n_sub_max,
+        support=scene.support, sound_speed=sound_speed, alpha=f.alpha, kinematic_viscosity=mu / f.density,
+        gravity=math.sqrt(sum(c * c for c in scene.domain.gravity)), lightest_solid=float(density.min()) / f.density,
+    )
+    if heat is not None:
+        wide = precision == "double"
+        chosen.heat_solver = heat.solver
+        chosen.heat_substeps = heat.substeps
+        chosen.fourier_number = fourier_number(scene, initial)
+        chosen.heat_tolerance = heat.tolerance or (1e-8 if wide else 1e-5)
+        chosen.heat_iterations = heat.max_iterations
+    return chosen
+
+
+def sizes_of(scene, initial, params, precision):
+    """Return the size of every extent."""
+    n = initial["id"].size
+    grid = params["grid"]
+    cells = int(grid.nx) * int(grid.ny) * int(grid.nz) + 2
+    return {
+        "particle": n, "neighbour": scene.solver.max_neighbours, "cell": cells, "node": n,
+        "chunk": math.ceil(max(n, cells) / 256) + 1, "site": initial["site_body"].size, "link": 27,
+        "region": (2 * scene.solver.width + 1) ** 3, "material": initial["material_density"].size,
+        "heater": initial["heater_mode"].size if "heater_mode" in initial else 0,
+        "inlet": initial["inflow_mass"].size if "inflow_mass" in initial else 0, "reduction": 64,
+    }
+
+
+def prepare(scene, initial, precision=None):
+    """Return the `Prepared` run of a scene, its plan recorded from the step page."""
+    precision = precision or scene.solver.precision
+    position = initial["position"]
+    liquid = initial["phase"] == LIQUID
+    depth = float(np.ptp(position[2, liquid])) + scene.spacing if liquid.any() else 0.0
+    fall = max((nozzle.position[2] - scene.domain.lower[2] for nozzle in scene.inflow), default=0.0)
+    sound_speed, warning = sound_speed_of(scene, depth, fall)
+    params = params_of(scene, initial["id"].size, sound_speed, REAL[precision])
+    need = needs(scene, initial)
+    settings = settings_of(scene, initial, sound_speed, precision)
+    page = melting.step if scene.solver.motion else melting.still_step
+    do = Recorder(params, need, settings)
+    do.clock.layers = dict.fromkeys((nozzle.name for nozzle in initial.nozzles), 0)
+    melting.start(do)
+    page(do, scene.time.dt)
+    names = [*ALWAYS, *(f for f in do.fields if f not in ALWAYS)]
+    sizes = sizes_of(scene, initial, params, precision)
+    return Prepared(
+        page, need, settings, params, sizes, precision, do.stages, [n for n in FIELDS if n in names],
+        [warning] if warning else [],
+    )
+
+
+def scales_of(scene, initial, settings):
+    """Return the natural scale of each kind of field, for comparing backends on a live run."""
+    dx, rho, cs = scene.spacing, scene.fluid.density, settings.sound_speed
+    mass = rho * dx**3
+    T = initial["temperature"] if "temperature" in initial else np.array([0.0, 1.0])
+    k = float(initial["material_conductivity"].max(initial=0.0)) if "material_conductivity" in initial else 1.0
+    c = 1.0 if scene.heat is None or scene.heat.law == "paper" else rho * float(initial["material_specific_heat"].max())
+    latent = mass * float(initial["material_latent_heat"].max(initial=0.0)) if "material_latent_heat" in initial else 1.0
+    # 1 % of rho c_s^2 is the pressure that the sound speed was chosen for
+    pressure = 0.01 * rho * cs**2
+    return {
+        "one": 1.0, "spacing": dx, "speed": 0.1 * cs, "force": pressure * dx**2, "mass": mass, "volume": dx**3,
+        "density": rho, "pressure": pressure, "temperature": max(1.0, float(np.ptp(T))), "conductivity": k or 1.0,
+        "heat_capacity": c * dx**3, "heat": c * dx**3 * max(1.0, float(np.ptp(T))), "latent_energy": latent or 1.0,
+        "specific_heat": c, "latent_heat": 1.0, "number_density": 1 / dx**3, "rate": 0.1 * cs / dx,
+    }
+
+
+def neighbours_inside(scene):
+    """Return the number of neighbours of a particle inside the rest lattice."""
+    return lattice_offsets(scene.solver.support).size
+
+
+def carried(prepared):
+    """Return the fields that a checkpoint must hold: those that later steps read before they write."""
+    derived = {"neighbour", "cell", "chunk", "node", "reduction"}
+    return [
+        n for n in prepared.fields
+        if n in CARRIED or (not derived & set(FIELDS[n].shape) and "particle" not in FIELDS[n].shape)
+    ]
