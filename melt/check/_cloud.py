@@ -16,15 +16,6 @@ CELL = 0.5  # edge of a grid cell, a power of two and not less than the support
 LIQUID, SOLID, WALL, INACTIVE = 0, 1, 2, 5
 RUNAWAY = 2.0**30  # a particle so far away that its cell index overflows int32
 
-#: density, conductivity, specific heat, melting point, latent heat, melts to, freezes to
-MATERIALS = [
-    (1000.0, 0.6, 4187.0, np.inf, 0.0, 0, 1),  # water
-    (917.0, 2.2, 2100.0, 0.0, 334e3, 0, -1),  # ice
-    (780.0, 0.2, 2000.0, np.inf, 0.0, 2, 3),  # liquid wax
-    (900.0, 0.25, 2100.0, 40.0, 200e3, 2, -1),  # wax, latent heat
-    (2500.0, 0.0, 800.0, np.inf, 0.0, 4, -1),  # an insulating wall, never melts
-]
-
 
 def quantise(x):
     """Round to the quantum of positions."""

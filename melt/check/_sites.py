@@ -61,26 +61,28 @@ def _best_rotation(A):
     return U @ np.diag([1, 1, np.sign(np.linalg.det(U @ Vt)) or 1]) @ Vt
 
 
-def _regions(a, position, rng):
-    """Add region sums, centres, rotations and motions that fit the positions."""
+def _regions(a, arrays, rng):
+    """Add region sums, centres, rotations and motions that fit the positions, relative to the own site."""
     count = len(a["site_body"])
+    live, particle = a["site_region_count"] > 0, a["site_particle"]
+    a["site_position"], a["site_velocity"] = np.zeros((3, count)), np.zeros((3, count))
+    for name in ("position", "velocity"):
+        a[f"site_{name}"][:, live] = arrays[name][:, particle[live]]
     share = np.zeros(count)
-    live = a["site_region_count"] > 0
-    particle = a["site_particle"]
-    share[live] = a["mass"][particle[live]] / a["site_region_count"][live]
-    a["region_share"] = share
-    mass, rest, centre = np.zeros(count), np.zeros((3, count)), np.zeros((3, count))
+    share[live] = arrays["mass"][particle[live]] / a["site_region_count"][live]
+    mass, rest, centre, mean, shift = np.zeros(count), *(np.zeros((3, count)) for _ in range(4))
     rotation = np.zeros((4, count))
     rotation[0] = 1
     for r in np.flatnonzero(live):
         member = a["site_region"][r][a["site_region"][r] >= 0]
         m = share[member]
-        x, X0 = position[:, particle[member]], a["site_rest"][:, member]
-        mass[r] = m.sum()
-        rest[:, r], centre[:, r] = X0 @ m / m.sum(), x @ m / m.sum()
-        A = (m * (x - centre[:, r : r + 1])) @ (X0 - rest[:, r : r + 1]).T
-        rotation[:, r] = quaternion(_best_rotation(A))
-    a.update(region_mass=mass, region_rest=rest, region_centre=centre, region_rotation=rotation)
+        x = a["site_position"][:, member] - a["site_position"][:, [r]]
+        X0 = a["site_rest"][:, member] - a["site_rest"][:, [r]]
+        mass[r], rest[:, r], centre[:, r], mean[:, r] = m.sum(), X0 @ m / m.sum(), x @ m / m.sum(), x.mean(axis=1)
+        R = _best_rotation((m * (x - centre[:, [r]])) @ (X0 - rest[:, [r]]).T)
+        rotation[:, r], shift[:, r] = quaternion(R), centre[:, r] - R @ rest[:, r]
+    a.update(region_share=share, region_mass=mass, region_rest=rest, region_centre=centre, region_mean=mean,
+             region_shift=shift, region_rotation=rotation)
     a["region_velocity"] = rng.normal(size=(3, count)) * live
     a["region_spin"] = rng.normal(size=(3, count)) * 3 * live
     a["goal"] = rng.normal(size=(3, count)) * 0.05 * SPACING * live
@@ -108,9 +110,9 @@ def _layout(n, arrays, rng):
             melted[:2] = 0, 4
         live[melted] = False
         arrays["phase"][particle[melted]] = LIQUID
-        vacant = melted[2]  # its particle froze elsewhere and melted again
-        arrays["site"][particle[vacant]] = -1
-        particle[vacant] = -1
+        # a melted particle remembers its site until it freezes elsewhere, but is not on it any more
+        arrays["site"][particle[melted[2]]] = -1
+        particle[melted] = -1
     a["site_particle"] = particle
     return a, live
 
@@ -118,7 +120,6 @@ def _layout(n, arrays, rng):
 def sites(n, arrays, rng, width=2, connect=26):
     """Add all site and region fields to ``arrays`` (which must hold position, phase, site, mass)."""
     a, live = _layout(n, arrays, rng)
-    a["mass"] = arrays["mass"]
     cell, body = a["site_cell"], a["site_body"]
     bonds = adjacency(cell, body, live, connect)
     reach = within(bonds, width)
@@ -136,7 +137,7 @@ def sites(n, arrays, rng, width=2, connect=26):
     renew = (reach & changed[None, :]).any(axis=1)
     a["site_dirty"] = refill.astype(int) + 2 * renew
     a["links_after"], a["link_count_after"] = by_offset(after, cell, 1), after.sum(axis=1)
-    _regions(a, arrays["position"], rng)
+    _regions(a, arrays, rng)
     a["claim"] = np.full(len(body), -1)
     arrays.update(a)
 
@@ -144,3 +145,11 @@ def sites(n, arrays, rng, width=2, connect=26):
 def after_melting(arrays):
     """Return the arrays as they are between the stages ``unlink`` and ``fill_regions``."""
     return {**arrays, "site_links": arrays["links_after"], "site_link_count": arrays["link_count_after"]}
+
+
+def warm_start(arrays):
+    """Return the arrays with region rotations as a previous step left them: near, not equal."""
+    rng = np.random.default_rng(5)
+    q = arrays["region_rotation"] + 0.02 * rng.normal(size=arrays["region_rotation"].shape)
+    q = q / np.linalg.norm(q, axis=0) if q.size else q
+    return {**arrays, "region_rotation": np.where(q[:1] < 0, -q, q)}

@@ -38,15 +38,16 @@ def missing_last_row(name, function):
     return faulty
 
 
-def swappable(name, arguments):
-    """Return positions of two inputs of equal shape and dtype but different values, or None."""
+def swappable(name, arguments, kinds="fi"):
+    """Return positions of two inputs of equal shape and dtype but different values, or None; reals first."""
     stage = STAGES[name]
     reads = [k for k, a in enumerate(stage.arguments) if a not in stage.params and a in stage.reads]
-    for k in reads:
-        for m in reads:
-            x, y = arguments[k], arguments[m]
-            if k < m and x.shape == y.shape and x.dtype == y.dtype and x.tobytes() != y.tobytes():
-                return k, m
+    for kind in kinds:
+        for k in reads:
+            for m in reads:
+                x, y = arguments[k], arguments[m]
+                if k < m and x.dtype.kind == kind and (x.shape, x.dtype) == (y.shape, y.dtype) and x.tobytes() != y.tobytes():
+                    return k, m
     return None
 
 

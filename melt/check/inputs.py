@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from melt import params as P
-from melt.check import _cloud, _sites
+from melt.check import _cloud, _sites, _thermal
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
 from melt.stages import STAGES
@@ -32,7 +32,8 @@ TUPLES = {
     "guard": (P.Guard, dict(distance=0.5 * _cloud.SPACING)),
     "heat": (P.Heat, dict(
         law=P.HEAT_PHYSICAL, current_volume=0, full_sweep=0, latent=1, ambient_temperature=15.0,
-        ambient_transfer=200.0, full_neighbours=80.0, spacing=_cloud.SPACING, wall_fixed=0)),
+        ambient_transfer=5e7, full_neighbours=80.0, ambient_area=2.5,
+        spacing=_cloud.SPACING, wall_fixed=0)),
     "change": (P.Change, dict(
         own_liquid=1, latent=1, hysteresis=0.5, reach=0.6 * _cloud.SPACING, speed=2.0)),
     "domain": (P.Domain, dict(
@@ -42,7 +43,7 @@ TUPLES = {
 #: Scalars: value; an int stays int32, a float gets the run's precision.
 SCALARS = {
     "dt": 1e-3, "smallest": 3, "factor": 0.3, "full_neighbours": 80.0,
-    "first": 2, "count": 5, "slot": 7, "lag": 2e-3,
+    "first": 2, "count": 5, "slot": 7, "lag": 2e-3, "reverse": 0,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.
@@ -61,6 +62,7 @@ EXTRA = {
     "reorder_scalar": [{"kind": "int"}],
     "neighbours_grid": [{"capacity": 20}],
     "neighbours_kdtree": [{"capacity": 20}],
+    "heat_onesided": [{"reverse": 1}],
     "crumble": [{"smallest": 0}, {"smallest": 8}],
 }
 
@@ -85,9 +87,9 @@ def scales(n):
     mass = 1000 * volume
     return dict(
         spacing=_cloud.SPACING, speed=speed, mass=mass, volume=volume, density=1000.0, pressure=pressure,
-        force=pressure * volume / _cloud.SPACING, temperature=50.0, conductivity=2.0,
-        heat_capacity=mass * 4187.0, latent_energy=mass * 334e3, number_density=1 / volume, one=1.0,
-        rate=speed / _cloud.SPACING, specific_heat=4187.0, latent_heat=334e3,
+        force=pressure * volume / _cloud.SPACING, temperature=50.0, conductivity=4e7, conductance=4e5,
+        heat_capacity=mass * 4187.0, latent_energy=mass * 3e4, heat=mass * 3e4, number_density=1 / volume, one=1.0,
+        rate=speed / _cloud.SPACING, specific_heat=4187.0, latent_heat=3e4,
     )
 
 
@@ -97,7 +99,7 @@ def scene(n, seed, ordered, width, connect):
     arrays, grid, rng = _cloud.cloud(n, seed, ordered)
     arrays.update(particle_fields(arrays, scales(n), rng))
     _sites.sites(n, arrays, rng, width, connect)
-    arrays.update(special_fields(arrays, grid, scales(n), rng))
+    arrays.update(special_fields(arrays, rng))
     for array in arrays.values():
         array.flags.writeable = False
     return arrays, grid
@@ -119,40 +121,53 @@ def _params(stage, real, grid, choice):
     return found
 
 
-def _generic(field, like, all_scales, rng):
-    """A field nobody computed: random reals of its scale; there is no harmless random index."""
-    sizes = {}
-    for other, array in like.items():
-        if other in FIELDS:
-            sizes.update({e: array.shape[k] for k, e in enumerate(FIELDS[other].shape) if not e.isdigit()})
-    missing = [e for e in field.shape if not e.isdigit() and e not in sizes]
-    if field.kind == "int" or missing:
-        raise UnknownInput(f"no check input for field {field.name!r} (melt/check/_fields.py)")
+def _sizes(arrays, grid):
+    """Return the size of every extent in the check scene."""
+    n, cells = len(arrays["phase"]), grid["nx"] * grid["ny"] * grid["nz"] + 2
+    return dict(
+        particle=n, node=n, neighbour=arrays["neighbour_index"].shape[1], cell=cells,
+        chunk=-(-max(n, cells) // 256), site=len(arrays["site_body"]), link=27,
+        region=arrays["site_region"].shape[1], material=len(arrays["material_density"]),
+        heater=len(arrays["heater_shape"]), inlet=len(arrays["inflow_mass"]), reduction=64,
+    )
+
+
+def _generic(stage, field, sizes, all_scales, rng):
+    """A field nobody computed: zeros if only written, else random reals; there is no harmless random index."""
+    unknown = [e for e in field.shape if not e.isdigit() and e not in sizes]
+    only_written = field.name in stage.writes and field.name not in stage.reads
+    if unknown or (field.kind == "int" and not only_written):
+        raise UnknownInput(f"stage {stage.name}: no check input for field {field.name!r} (melt/check/_fields.py)")
     shape = tuple(int(e) if e.isdigit() else sizes[e] for e in field.shape)
-    return rng.uniform(0.5, 1.5, shape) * all_scales.get(field.scale, 1.0)
+    return np.zeros(shape) if only_written else rng.uniform(0.5, 1.5, shape) * all_scales.get(field.scale, 1.0)
 
 
 def _array(stage, name, arrays, grid, choice, all_scales, rng):
+    """Return (values, kind) of one array argument."""
     if name in ("source", "target"):
-        vector = stage.name.endswith("vector")
         if choice.get("kind") == "int":
             return rng.integers(-9, 9, arrays["phase"].shape), "int"
-        return (arrays["velocity"] if vector else arrays["mass"]) + 0.0, "real"
+        return (arrays["velocity"] if stage.name.endswith("vector") else arrays["mass"]) + 0.0, "real"
     field = FIELDS[name]
     if name in ("neighbour_count", "neighbour_index") and "capacity" in choice:
         rows = _cloud.neighbour_rows(arrays["position"].T, arrays["phase"])
-        count, index = _cloud.padded(rows, choice["capacity"])
-        return (count if name == "neighbour_count" else index), field
+        return _cloud.padded(rows, choice["capacity"])[name == "neighbour_index"], field
     if name in arrays:
         return arrays[name], field
-    try:
-        return _generic(field, arrays, all_scales, rng), field
-    except UnknownInput as error:
-        # a pure output needs only a shape: written fields are poisoned before the call
-        if name in stage.writes and name not in stage.reads and field.shape[-1] in ("particle", "site"):
-            like = arrays["phase"] if field.shape[-1] == "particle" else arrays["site_body"]
-            return np.zeros(tuple(int(e) for e in field.shape[:-1]) + like.shape), field
-        raise UnknownInput(f"stage {stage.name}: {error}") from None
+    return _generic(stage, field, _sizes(arrays, grid), all_scales, rng), field
+
+
+def _adapted(stage_name, arrays, choice):
+    """Return the scene as it is when the stage runs, and as its variant asks."""
+    if stage_name == "fill_regions":
+        arrays = _sites.after_melting(arrays)
+    if stage_name == "region_match":
+        arrays = _sites.warm_start(arrays)
+    if choice.get("law", P.HEAT_PHYSICAL) == P.HEAT_PAPER:
+        arrays = _thermal.in_paper_mode(arrays)
+    if choice.get("wall_fixed"):
+        arrays = _thermal.with_fixed_walls(arrays)
+    return arrays
 
 
 def make(stage_name, precision, n=301, seed=0, choice=None):
@@ -167,8 +182,7 @@ def make(stage_name, precision, n=301, seed=0, choice=None):
     n = choice.get("n", n)
     width, connect = choice.get("width", 2), choice.get("connect", 26)
     arrays, grid = scene(n, seed, stage_name not in _UNORDERED, width, connect)
-    if stage_name == "fill_regions":
-        arrays = _sites.after_melting(arrays)
+    arrays = _adapted(stage_name, arrays, choice)
     rng = np.random.default_rng(seed + 1)
     all_scales = scales(n)
     cast = {}
