@@ -38,8 +38,9 @@ def dW(r, smoothing):
     a = max(real(1) - q, real(0))
     h4 = h * h * h * h
     if smoothing.kernel == CUBIC:
+        # min(q, a) = a - 2b without its cancellation: W'/r stays exact as r -> 0
         b = max(real(0.5) - q, real(0))
-        return real(-48 / math.pi) / h4 * (a * a - real(4) * b * b)
+        return real(-48 / math.pi) / h4 * min(q, a) * (a + real(2) * b)
     if smoothing.kernel == WENDLAND2:
         return real(-210 / math.pi) / h4 * q * a * a * a
     return real(-45 / math.pi) / h4 * a * a
