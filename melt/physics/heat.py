@@ -140,3 +140,20 @@ def heater_contains(x, y, z, size_x, size_y, size_z, shape, reach):
         z = max(abs(z) - size_z, real(0))
         distance = math.sqrt(x * x + y * y + z * z)
     return distance <= reach
+
+
+@scalar
+def pair_latent(
+    g, T_i, e_i, m_i, frozen_i, molten_i, L_i, T_j, e_j, m_j, frozen_j, molten_j, L_j,
+):
+    """Return (T_i, e_i, T_j, e_j) after the exchange of a pair with latent heat, g = dt G_ij."""
+    real = type(g)
+    if g == real(0) or T_i == T_j:
+        return T_i, e_i, T_j, e_j
+    if T_i < T_j:
+        q = latent_heat(g, T_i, e_i, m_i, frozen_i, molten_i, L_i, T_j, e_j, m_j, frozen_j, molten_j, L_j)
+    else:
+        q = -latent_heat(g, T_j, e_j, m_j, frozen_j, molten_j, L_j, T_i, e_i, m_i, frozen_i, molten_i, L_i)
+    T_i, e_i = absorb(q, T_i, e_i, m_i, frozen_i, molten_i, L_i)
+    T_j, e_j = absorb(-q, T_j, e_j, m_j, frozen_j, molten_j, L_j)
+    return T_i, e_i, T_j, e_j
