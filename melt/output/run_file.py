@@ -1,0 +1,333 @@
+"""Run files: one VTKHDF file per run, appended frame by frame, whole after every frame.
+
+Layout (VTKHDF 2.3, temporal PolyData; https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/)::
+
+    /VTKHDF/Points, PointData/*        rows of all frames behind each other, (n, 3) or (n,)
+    /VTKHDF/Vertices/*                 one poly-vertex cell per frame
+    /VTKHDF/Lines, Polygons, Strips    none
+    /VTKHDF/Steps/*                    times and where each frame begins
+    /melt/scene, provenance, series/*  scene text, attributes, one number per frame each
+
+`melt.output.hdf5` says why a killed run leaves a file with all completed frames.
+"""
+
+import math
+import os
+import pathlib
+
+import numpy as np
+
+from melt.fields import FIELDS
+from melt.output import hdf5
+from melt.output.errors import OutputError, RunFileError, output_error
+from melt.output.hdf5 import Chunked, Group, Small
+
+_EMPTY_CELLS = ("Lines", "Polygons", "Strips")
+_SERIES_UNITS = (
+    ("time", "s"),
+    ("dt", "s"),
+    ("energy", "J"),
+    ("heat", "J"),
+    ("momentum", "kg m/s"),
+    ("mass", "kg"),
+    ("temperature", "degC"),
+    ("speed", "m/s"),
+    ("position", "m"),
+    ("volume", "m^3"),
+)
+
+
+def series_unit(name):
+    """Return the unit of a series: ms for ``ms/...``, else by the last known word in its name."""
+    if name.startswith("ms/"):
+        return "ms"
+    words = name.replace("/", "_").split("_")
+    if "error" in words:
+        return "1"
+    return next((unit for word in reversed(words) for known, unit in _SERIES_UNITS if word == known), "1")
+
+
+class RunWriter:
+    """Writer of one run file.
+
+    Args:
+        path: the file, by custom ``NAME.vtkhdf``.
+        scene_text: the scene as run (TOML).
+        provenance: name -> str, int or float (see `melt.output.provenance`).
+        overwrite: replace an existing file.
+        sync: wait for the disk at every frame, so that frames survive a power cut too.
+
+    Raises:
+        OutputError: the file exists, or cannot be written.
+    """
+
+    def __init__(self, path, scene_text, provenance, overwrite=False, sync=True):
+        self.path = pathlib.Path(path)
+        if self.path.exists() and not overwrite:
+            raise OutputError(
+                f"the output {self.path} exists already and was left as it is: name another file with --out, "
+                "replace it with --overwrite, or continue it with `melt resume`."
+            )
+        self._broken = None
+        self.frames = 0
+        self._root = Group()
+        self._root.group("VTKHDF").attrs = {"Version": np.array([2, 3], np.int64), "Type": b"PolyData"}
+        melt = self._root.group("melt")
+        text = scene_text.encode() or b"\n"
+        melt.children["scene"] = Small(f"S{len(text)}", None)
+        melt.group("provenance").attrs = dict(provenance)
+        melt.group("series")
+        temporary = self.path.with_name(f".{self.path.name}.part")
+        try:
+            self._file = hdf5.File(temporary, os.O_RDWR | os.O_CREAT | os.O_TRUNC, sync)
+        except OSError as error:
+            raise output_error("create", self.path, error) from error
+        try:
+            melt["scene"].append(self._file, np.array(text))
+            self._lay_out_nothing()
+            self._file.commit(self._root)
+            os.replace(temporary, self.path)
+        except OSError as error:
+            self._file.close()
+            temporary.unlink(missing_ok=True)
+            raise output_error("create", self.path, error) from error
+
+    @classmethod
+    def resume(cls, path, frames=None, sync=True):
+        """Open an existing run file, cut it back to its first ``frames`` frames, and continue it.
+
+        Raises:
+            RunFileError: not a whole run file of melt, or fewer frames than asked for.
+            OutputError: it cannot be written.
+        """
+        from melt.output.run_reader import load_tree
+
+        self = cls.__new__(cls)
+        self.path, self._broken = pathlib.Path(path), None
+        self._root, self.frames, end = load_tree(self.path)
+        try:
+            self._file = hdf5.File(self.path, os.O_RDWR, sync)
+        except OSError as error:
+            raise output_error("continue", self.path, error) from error
+        self._file.end = self._file.committed_end = end
+        try:
+            self._cut(self.frames if frames is None else frames)
+        except OSError as error:
+            raise self._fail("continue", error) from error
+        return self
+
+    def append(self, time, particles, series=None):
+        """Write one frame and make it part of the file, at once or not at all.
+
+        Args:
+            time: simulated time [s], later than the last frame.
+            particles: field name -> array (n,) or (n, 3); ``position`` among them; n may be 0 and
+                may change, names and dtypes may not.
+            series: name -> number; ``a/b`` goes to a group a; what is missing becomes NaN or 0.
+
+        Raises:
+            OutputError: the frame could not be written; the file keeps all earlier frames.
+        """
+        if self._broken:
+            raise OutputError(self._broken)
+        particles = {name: np.asarray(array) for name, array in particles.items()}
+        self._check(time, particles)
+        series = {"time": float(time), **(series or {})}
+        try:
+            if self.frames == 0:
+                self._lay_out(particles)
+            self._append_vtk(float(time), particles)
+            self._append_series(series)
+            self._root["VTKHDF/Steps"].attrs["NSteps"] = np.int64(self.frames + 1)
+            self._file.commit(self._root)
+        except OSError as error:
+            raise self._fail(f"write frame {self.frames} (t = {time:g} s) to", error) from error
+        self.frames += 1
+
+    def close(self):
+        """Close the file; it is whole before and after."""
+        self._file.close()
+        self._broken = self._broken or f"the run file {self.path} is closed."
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    # --- the parts of a frame ---
+
+    def _check(self, time, particles):
+        if "position" not in particles:
+            raise OutputError(
+                f"frame {self.frames} of {self.path} has no field 'position': pass it as (n, 3)."
+            )
+        n = len(particles["position"])
+        for name, array in particles.items():
+            components = 3 if name == "position" or name in FIELDS and FIELDS[name].shape[0] == "3" else None
+            allowed = [(n, 3)] if components else [(n,), (n, 3)]
+            if array.shape not in allowed or array.dtype.kind not in "fiu":
+                raise OutputError(
+                    f"field '{name}' of frame {self.frames} has shape {array.shape} and type {array.dtype}; "
+                    f"allowed are numbers of shape {' or '.join(map(str, allowed))}."
+                )
+        if not math.isfinite(time) or (self.frames and time <= self._last_time):
+            raise OutputError(
+                f"frame {self.frames} of {self.path} has time {time}; it must be later than the last frame."
+            )
+        if self.frames:
+            data = self._root["VTKHDF/PointData"].children
+            if set(data) | {"position"} != set(particles):
+                raise OutputError(
+                    f"frame {self.frames} of {self.path} has the fields {sorted(particles)}; "
+                    f"a run file keeps the fields of its first frame: {sorted([*data, 'position'])}."
+                )
+        self._last_time = time
+
+    def _lay_out_nothing(self):
+        """Make a still picture without points, which VTK opens, until there is a first frame."""
+        vtk = self._root["VTKHDF"]
+        vtk.children = {"Points": Small(np.float32, (3,)), "NumberOfPoints": Small(np.int64)}
+        vtk["NumberOfPoints"].append(self._file, 0)
+        for cells in ("Vertices", *_EMPTY_CELLS):
+            for name in ("NumberOfCells", "NumberOfConnectivityIds", "Connectivity", "Offsets"):
+                dataset = vtk.group(cells).children[name] = Small(np.int64)
+                dataset.append(self._file, [] if name == "Connectivity" else 0)
+        self._root["melt/series"].children.clear()
+
+    def _lay_out(self, particles):
+        """Make the datasets of the first frame."""
+        n = len(particles["position"])
+        # one chunk holds about a frame: a frame is read in one go, and small runs waste little
+        chunk_rows = 1 << min(max(math.ceil(math.log2(max(n, 1))), 10), 16)
+        vtk = self._root["VTKHDF"]
+
+        def count(**attrs):
+            return Small(np.int64, **attrs)
+
+        def field(name):
+            array, known = particles[name], FIELDS.get(name)
+            attrs = {"unit": known.unit, "meaning": known.meaning} if known else {"unit": "1"}
+            return Chunked(array.dtype, array.shape[1:], chunk_rows, **attrs)
+
+        vtk.children.update(Points=field("position"), NumberOfPoints=count())
+        for cells in ("Vertices", *_EMPTY_CELLS):
+            vtk.group(cells).children.update(
+                NumberOfCells=count(), NumberOfConnectivityIds=count(), Connectivity=count(), Offsets=count()
+            )
+        names = [name for name in particles if name != "position"]
+        vtk.group("PointData").children.update({name: field(name) for name in names})
+        steps = vtk.group("Steps")
+        steps.children.update(
+            Values=Small(np.float64, unit="s"),
+            PartOffsets=count(),
+            NumberOfParts=count(),
+            PointOffsets=count(),
+            CellOffsets=Small(np.int64, (4,)),
+            ConnectivityIdOffsets=Small(np.int64, (4,)),
+        )
+        steps.group("PointDataOffsets").children.update({name: count() for name in names})
+
+    def _append_vtk(self, time, particles):
+        file, vtk, k = self._file, self._root["VTKHDF"], self.frames
+        start, n = vtk["Points"].rows, len(particles["position"])
+        vtk["Points"].append(file, particles["position"])
+        vtk["NumberOfPoints"].append(file, n)
+        vertices = vtk["Vertices"]
+        vertices["NumberOfCells"].append(file, 1)
+        vertices["NumberOfConnectivityIds"].append(file, n)
+        vertices["Offsets"].append(file, [0, n])
+        # every frame's cell lists its own points 0..n-1: all frames share the longest list
+        vertices["Connectivity"].append(file, np.arange(vertices["Connectivity"].rows, n))
+        for cells in _EMPTY_CELLS:
+            for name in ("NumberOfCells", "NumberOfConnectivityIds", "Offsets"):
+                vtk[cells][name].append(file, 0)
+        steps = vtk["Steps"]
+        for name, value in (
+            ("Values", time),
+            ("PartOffsets", k),
+            ("NumberOfParts", 1),
+            ("PointOffsets", start),
+        ):
+            steps[name].append(file, value)
+        steps["CellOffsets"].append(file, [k, 0, 0, 0])
+        steps["ConnectivityIdOffsets"].append(file, [0, 0, 0, 0])
+        for name, dataset in vtk["PointData"].children.items():
+            dataset.append(file, particles[name])
+            steps["PointDataOffsets"][name].append(file, start)
+
+    def _append_series(self, series):
+        group = self._root["melt/series"]
+        known = {name for name, item in group.walk() if isinstance(item, Small)}
+        for name in sorted(known | set(series)):
+            folder, _, last = name.rpartition("/")
+            parent = group.group(folder) if folder else group
+            if last not in parent.children:
+                whole = isinstance(series[name], (int, np.integer))
+                dataset = Small(np.int64 if whole else np.float64, unit=series_unit(name))
+                dataset.append(self._file, np.full(self.frames, 0 if whole else np.nan))
+                parent.children[last] = dataset
+            dataset = parent.children[last]
+            missing = np.nan if dataset.dtype.kind == "f" else 0
+            dataset.append(self._file, series.get(name, missing))
+
+    # --- failure and resumption ---
+
+    def _fail(self, what, error):
+        self._broken = str(output_error(what, self.path, error))
+        self._broken += f" The file holds all {self.frames} earlier frames."
+        try:
+            self._file.discard()
+        except OSError:
+            pass  # what lies behind the last commit is invisible to readers
+        return OutputError(self._broken)
+
+    def _cut(self, frames):
+        """Cut back to ``frames`` frames; at every instant the file holds the old or the new state."""
+        root, file, old = self._root, self._file, self.frames
+        if not 0 <= frames <= old:
+            raise RunFileError(f"{self.path} has {old} frames; it cannot be continued from frame {frames}.")
+        if frames < old:
+            rows = _rows(root, frames)
+            if frames:
+                for path, item in root.walk():
+                    if not isinstance(item, Group):
+                        item.cut(rows(path, item))
+                root["VTKHDF/Steps"].attrs["NSteps"] = np.int64(frames)
+            else:
+                self._lay_out_nothing()
+        self.frames = frames
+        self._last_time = -math.inf
+        if frames:
+            values = root["VTKHDF/Steps/Values"]
+            self._last_time = np.frombuffer(file.read(8, values.address + 8 * (frames - 1)))[0]
+        old_end = file.end
+        file.commit(root)
+        # the new metadata lie behind the dropped frames: move them down and give the space back
+        datasets = [item for _, item in root.walk() if not isinstance(item, Group)]
+        bottom = max(item.end() for item in datasets)
+        bottom += -bottom % 8
+        if bottom + (file.end - old_end) <= old_end:
+            for item in datasets:
+                item.full = [[]]
+            file.end, file.areas, file.commits = bottom, [], 0
+            file.commit(root)
+            file.discard()
+
+
+def _rows(root, frames):
+    """Return a function (path, dataset) -> rows that ``frames`` frames have in it."""
+    particles = root["VTKHDF/Steps"].start_rows[frames]
+    longest = root["VTKHDF/Steps"].longest[frames]
+
+    def rows(path, dataset):
+        parts = path.split("/")
+        if parts[:2] == ["melt", "scene"]:
+            return 1
+        if parts[-1] == "Points" or parts[1] == "PointData":
+            return particles
+        if parts[1] == "Vertices" and parts[2] in ("Connectivity", "Offsets"):
+            return longest if parts[2] == "Connectivity" else 2 * frames
+        return frames
+
+    return rows
