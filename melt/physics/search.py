@@ -42,6 +42,31 @@ def left_size(n):
 
 
 @scalar
-def sort_key(x):
-    """Return x, or infinity for NaN: the KD-tree needs a total order."""
-    return x if x == x else type(x)(float("inf"))
+def segment_of(place, level, n):
+    """Return (first, size, node) of the subtree at a level that holds a place in the in-order sequence.
+
+    Places 0 .. n-1 are those of the nodes from left to right; a subtree holds a contiguous
+    range of them. A place that is a node above the level is returned as a segment of its own.
+    """
+    first, size, node = 0, n, 0
+    for _ in range(level):
+        left = left_size(size)
+        if place < first + left:
+            size, node = left, 2 * node + 1
+        elif place > first + left:
+            first, size, node = first + left + 1, size - left - 1, 2 * node + 2
+        else:
+            return place, 1, node
+    return first, size, node
+
+
+@scalar
+def precedes(x, i, y, j):
+    """Return whether particle i at coordinate x sorts before j at y: NaN last, ties by index."""
+    if x < y:
+        return True
+    if y < x:
+        return False
+    if x == y or (x != x and y != y):
+        return i < j
+    return x == x  # y is NaN
