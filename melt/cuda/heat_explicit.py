@@ -1,0 +1,154 @@
+"""CUDA twin of `melt.reference.heat_explicit`."""
+
+import math
+
+from melt._compile import cuda, cuda_kernel, device_empty
+from melt.physics.heat import absorb, pair_factor, pair_latent, pair_weight
+
+
+@cuda_kernel
+def _heat_onesided(
+    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
+    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt, reverse,
+    temperature_next, latent_energy,
+):
+    i = cuda.grid(1)
+    if i >= temperature.shape[0]:
+        return
+    real = type(smoothing.support)
+    inf, zero, one = real(math.inf), real(0), real(1)
+    T, count = temperature[i], neighbour_count[i]
+    e = latent_energy[i] if heat.latent != 0 else zero
+    for entry in range(count):
+        j = neighbour_index[i, count - 1 - entry if reverse > zero else entry]
+        x = real(position[0, i] - position[0, j])
+        y = real(position[1, i] - position[1, j])
+        z = real(position[2, i] - position[2, j])
+        r = math.sqrt(x * x + y * y + z * z)
+        w = pair_weight(r, heat_volume[i], heat_volume[j], dt, smoothing)
+        T_j, C_j = temperature[j], heat_capacity[j]
+        if w == zero:
+            continue
+        if heat.latent == 0:
+            flow = one / heat_capacity[i]
+            f = pair_factor(w, conductivity[i], conductivity[j], flow + one / C_j, heat)
+            T += f * (T_j - T) * flow
+            continue
+        if latent_capacity[j] > zero and T_j == latent_point[j]:
+            C_j = inf  # on its plateau
+        elif latent_capacity[j] > zero and T_j > latent_point[j] and C_j < inf:
+            C_j = heat_capacity_molten[j]
+        g = pair_factor(w, conductivity[i], conductivity[j], zero, heat)
+        T, e, _, _ = pair_latent(
+            g, T, e, latent_point[i], heat_capacity[i], heat_capacity_molten[i], latent_capacity[i],
+            T_j, zero, inf, C_j, C_j, zero,
+        )
+    temperature_next[i] = T
+    if heat.latent != 0:
+        latent_energy[i] = e
+
+
+def heat_onesided(
+    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
+    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt, reverse,
+    temperature_next, latent_energy,
+):
+    """See `melt.reference.heat_explicit.heat_onesided`."""
+    _heat_onesided.launch(
+        temperature.shape[0], position, temperature, conductivity, heat_volume, heat_capacity,
+        heat_capacity_molten, latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing,
+        heat, dt, reverse, temperature_next, latent_energy,
+    )
+
+
+@cuda_kernel
+def _heat_explicit(
+    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
+    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt,
+    temperature_next, latent_energy,
+):
+    i = cuda.grid(1)
+    if i >= temperature.shape[0]:
+        return
+    real = type(smoothing.support)
+    T = temperature[i]
+    V, K = heat_volume[i], conductivity[i]
+    x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+    q = real(0)
+    for entry in range(neighbour_count[i]):
+        j = neighbour_index[i, entry]
+        x = real(x_i - position[0, j])
+        y = real(y_i - position[1, j])
+        z = real(z_i - position[2, j])
+        r = math.sqrt(x * x + y * y + z * z)
+        w = pair_weight(r, V, heat_volume[j], dt, smoothing)
+        q += pair_factor(w, K, conductivity[j], real(0), heat) * (temperature[j] - T)
+    if heat.latent == 0:
+        temperature_next[i] = T if q == real(0) else T + q / heat_capacity[i]
+        return
+    T, e = absorb(
+        q, T, latent_energy[i], latent_point[i], heat_capacity[i], heat_capacity_molten[i], latent_capacity[i]
+    )
+    temperature_next[i] = T
+    latent_energy[i] = e
+
+
+def heat_explicit(
+    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
+    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt,
+    temperature_next, latent_energy,
+):
+    """See `melt.reference.heat_explicit.heat_explicit`."""
+    _heat_explicit.launch(
+        temperature.shape[0], position, temperature, conductivity, heat_volume, heat_capacity,
+        heat_capacity_molten, latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing,
+        heat, dt, temperature_next, latent_energy,
+    )
+
+
+@cuda_kernel
+def _particle_rate(
+    position, conductivity, heat_volume, heat_capacity, neighbour_count, neighbour_index,
+    smoothing, heat, rate,
+):
+    i = cuda.grid(1)
+    if i >= heat_volume.shape[0]:
+        return
+    real = type(smoothing.support)
+    V, K = heat_volume[i], conductivity[i]
+    x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+    total = real(0)
+    for entry in range(neighbour_count[i]):
+        j = neighbour_index[i, entry]
+        x = real(x_i - position[0, j])
+        y = real(y_i - position[1, j])
+        z = real(z_i - position[2, j])
+        r = math.sqrt(x * x + y * y + z * z)
+        w = pair_weight(r, V, heat_volume[j], real(1), smoothing)
+        total += pair_factor(w, K, conductivity[j], real(0), heat)
+    rate[i] = total / heat_capacity[i] if total > real(0) else real(0)
+
+
+@cuda_kernel
+def _largest(rate, heat_rate):
+    share = cuda.grid(1)
+    if share >= 64:
+        return
+    n = rate.shape[0]
+    largest = rate.dtype.type(0)
+    for i in range(share * n // 64, (share + 1) * n // 64):
+        largest = max(largest, rate[i])
+    heat_rate[share] = largest
+
+
+def heat_rate(
+    position, conductivity, heat_volume, heat_capacity, neighbour_count, neighbour_index,
+    smoothing, heat, heat_rate,
+):
+    """See `melt.reference.heat_explicit.heat_rate`."""
+    rate = device_empty(heat_volume.shape, heat_volume.dtype)
+    _particle_rate.launch(
+        heat_volume.shape[0], position, conductivity, heat_volume, heat_capacity, neighbour_count,
+        neighbour_index, smoothing, heat, rate,
+    )
+    _largest.launch(64, rate, heat_rate)
