@@ -59,7 +59,6 @@ def needs(scene, initial):
         ambient=heat is not None and heat.ambient_transfer > 0,
         melting=heat is not None and solids and bool(melts),
         freezing=heat is not None and heat.refreeze and solids,
-        crumb=solver.crumb > 0,
         inflow=bool(scene.inflow),
         laminar=fluid.viscosity == "laminar" and fluid.mu > 0,
         buoyancy=heat is not None and fluid.expansion != 0,
@@ -90,7 +89,7 @@ def settings_of(scene, initial, sound_speed, precision):
     density = initial["mass"][solid] / initial["rest_volume"][solid] if solid.any() else np.array([f.density])
     chosen = SimpleNamespace(
         neighbours=s.neighbours, solid_volume=s.solid_volume, rigid=s.baseline == "rigid", lattice_damping=s.damping,
-        leap_frog=s.integration, melt_every=s.melt_every, nozzles=initial.nozzles, capacity=initial["id"].size,
+        leap_frog=s.integration, melt_every=s.melt_every, crumb=s.crumb, nozzles=initial.nozzles, capacity=initial["id"].size,
         n_sub=None if t.n_sub == "auto" else t.n_sub, n_sub_max=t.n_sub_max,
         support=scene.support, sound_speed=sound_speed, alpha=f.alpha, kinematic_viscosity=mu / f.density,
         gravity=math.sqrt(sum(c * c for c in scene.domain.gravity)), lightest_solid=float(density.min()) / f.density,

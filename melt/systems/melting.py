@@ -11,7 +11,7 @@ import numpy as np
 
 from melt.errors import MeltError
 from melt.systems.heat import heat
-from melt.systems.topology import freeze, melt_and_relink
+from melt.systems.topology import build_lattice, freeze, melt_and_relink
 
 
 def start(do):
@@ -19,7 +19,7 @@ def start(do):
     if do.need.heat:
         start_heat(do)
     if do.need.solids:
-        start_topology(do)
+        build_lattice(do)
 
 
 def step(do, dt):

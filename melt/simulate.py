@@ -1,0 +1,293 @@
+"""Run a scene: the loop around a step page, with frames, checkpoints, ledgers and clean ends."""
+
+import pathlib
+import signal
+import time
+from types import SimpleNamespace
+
+import numpy as np
+
+from melt import backend as backends
+from melt import plan
+from melt.bind import Lockstep, Plain, Timed
+from melt.diagnostics import series
+from melt.errors import MeltError
+from melt.fields import FIELDS
+from melt.geometry.build import build
+from melt.geometry.lattice import lattice_fields
+from melt.physics.phases import BUBBLE, INACTIVE, LIQUID, SOLID, VAPOUR, WALL
+from melt.scene import load_scene, scene_from_toml
+from melt.stages import STAGES
+from melt.state import State
+from melt.systems import melting
+
+#: Particle fields that are never written to a run file: bookkeeping of the solver.
+_PRIVATE = {
+    "site", "order", "cell", "neighbour_count", "rest_volume", "heat_volume", "offenders", "force", "mass",
+}
+#: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
+BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid")
+
+
+class Simulation:
+    """One run of a scene on one backend, stepped by hand.
+
+    Args:
+        scene: a `melt.scene.Scene`, or what `load_scene` takes.
+        backend: auto, cpu, cuda, reference, cuda-emulated, cuda-simulated.
+        precision: single, mixed, double; the scene's unless given.
+        timed: keep seconds per stage in ``do.seconds``.
+        lockstep: name of a second backend that runs beside and is compared stage by stage.
+    """
+
+    def __init__(self, scene, backend="auto", precision=None, timed=False, lockstep=None, initial=None):
+        self.scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
+        self.initial = initial or build(self.scene)
+        self.prepared = plan.prepare(self.scene, self.initial, precision)
+        self.backend = backends.load(backend)
+        p = self.prepared
+        if p.need.solids:
+            sites = (self.initial[n] for n in ("site_cell", "site_body", "site_particle"))
+            self.initial.arrays.update(lattice_fields(*sites, connect=self.scene.solver.connect))
+        self.state = State(self.backend, p.precision, p.sizes, p.fields)
+        given = (self.state, p.params, p.need, p.settings)
+        if lockstep:
+            follower = backends.load(lockstep)
+            scales = plan.scales_of(self.scene, self.initial, p.settings)
+            self.do = Lockstep(self.backend, *given, follower=follower, scales=scales)
+        else:
+            self.do = (Timed if timed else Plain)(self.backend, *given)
+        for name in p.fields:
+            if name in self.initial:
+                self.state.set(name, self.initial[name])
+        clock = self.do.clock
+        clock.active = self.initial.active
+        clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
+        melting.start(self.do)
+        mobile = np.isin(self.initial["phase"], (LIQUID, SOLID))
+        self._start = {
+            "solids": int((self.initial["phase"] == SOLID).sum()),
+            "mass": float(self.initial["mass"][mobile].sum()),
+            "mass_entered": self._mass_entered,
+        }
+
+    def _mass_entered(self, clock):
+        mass = self.initial["inflow_mass"] if self.initial.nozzles else None
+        return sum(
+            clock.layers[n.name] * float(mass[n.first : n.first + n.count].sum()) for n in self.initial.nozzles
+        )
+
+    @property
+    def time(self):
+        """Simulated time [s]."""
+        return self.do.clock.time
+
+    def step(self, dt=None):
+        """Advance by one outer step (the scene's dt unless given).
+
+        Raises:
+            MeltError: the step is not stable, or a value is not finite (what, where, remedy).
+        """
+        do, clock = self.do, self.do.clock
+        before = clock.time
+        self.prepared.page(do, dt or self.scene.time.dt)
+        # exact multiples of dt: no drift of the output times by rounding
+        clock.time = before + (dt or self.scene.time.dt) if dt else clock.step * self.scene.time.dt
+        if not np.isfinite([clock.max_speed, clock.max_acceleration]).all():
+            raise MeltError(self._not_finite())
+
+    def _not_finite(self):
+        """Say which field went wrong first, in stage order, and where."""
+        state, clock = self.state, self.do.clock
+        active = state.read("phase") != INACTIVE
+        for stage in self.prepared.stages:
+            for name in STAGES[stage].writes:
+                if name not in state or FIELDS[name].kind == "int" or FIELDS[name].shape[-1] != "particle":
+                    continue
+                bad = ~np.isfinite(state.read(name))
+                bad = (bad if bad.ndim == 1 else bad.any(axis=0)) & active
+                if bad.any():
+                    i = int(np.argmax(bad))
+                    x = state.read("position")[:, i]
+                    return (
+                        f"step {clock.step}, t = {clock.time:.5g} s: field {name} (stage {stage}) is not finite at "
+                        f"particle {int(state.read('id')[i])}, position {np.array2string(x, precision=4)} m, and "
+                        f"{int(bad.sum()) - 1} others. The frames before are kept. Lower time.dt, fix time.n_sub to more "
+                        "sub-steps, or raise fluid.alpha"
+                    )
+        return f"step {clock.step}: speeds are not finite"
+
+    def read(self, name):
+        """Return a field in order of particle id, as NumPy, component last: (n,) or (n, 3)."""
+        values = self.state.read(name)
+        if FIELDS[name].shape[-1] == "particle":
+            values = values[..., np.argsort(self.state.read("id"), kind="stable")]
+        return values.T if values.ndim == 2 else values
+
+    def frame(self):
+        """Return the particle arrays of a frame: what the run file gets, sorted by id."""
+        output = self.scene.output
+        phases = [LIQUID, SOLID, BUBBLE, VAPOUR] + ([WALL] if output.walls else [])
+        keep = np.isin(self.read("phase"), phases)
+        names = [
+            n for n in self.prepared.fields
+            if FIELDS[n].shape in (("particle",), ("3", "particle")) and n not in _PRIVATE
+            and not n.endswith("_next") and n in _OUTPUT
+        ]
+        if output.fields != "all":
+            names = [n for n in names if n in (*output.fields, "id", "phase", "position")]
+        return {n: self.read(n)[keep] for n in names}
+
+    def series(self):
+        """Return the ledgers and notes of now, as {name: number}."""
+        clock, notes = self.do.clock, self.do.notes
+        values = {"dt": self.scene.time.dt, "step": clock.step, **series(self.do, self._start)}
+        for name, value in notes.items():
+            values[name] = BOUNDS.index(value) if name == "governing_bound" else value
+        return values
+
+    def checkpoint(self):
+        """Return (arrays, meta) from which `restore` continues bit-identically."""
+        arrays = {n: self.state.read(n) for n in plan.carried(self.prepared)}
+        return arrays, {"clock": vars(self.do.clock), "precision": self.prepared.precision}
+
+    def restore(self, arrays, meta):
+        """Continue from `checkpoint`."""
+        for name, values in arrays.items():
+            self.state.set(name, values)
+        vars(self.do.clock).update(meta["clock"])
+
+
+_OUTPUT = {
+    "id", "phase", "material", "position", "velocity", "density", "pressure", "temperature", "latent_energy",
+}
+
+
+def _ignore(event, **values):
+    """Take no notice of progress."""
+
+
+def run(
+    scene, output=None, backend="auto", precision=None, threads=None, progress=None, overwrite=False,
+    lockstep=None, until=None,
+):
+    """Run a scene and write its run file.
+
+    Args:
+        scene: a `Scene` or its name or path.
+        output: run file; nothing is written for None.
+        threads: CPU threads.
+        progress: called as ``progress(event, **values)``: ``start``, ``warning``, ``step``, ``frame``, ``end``.
+        overwrite: replace an existing run file.
+        lockstep: second backend to compare with, stage by stage.
+        until: end time in place of the scene's [s].
+
+    Returns:
+        SimpleNamespace with ``simulation``, ``interrupted`` (Ctrl-C ended it) and ``seconds``.
+
+    Raises:
+        MeltError: bad scene, output that cannot be written, an unstable step.
+    """
+    from melt.output.provenance import provenance
+    from melt.output.run_file import RunWriter
+
+    say = progress or _ignore
+    _set_threads(threads)
+    scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
+    initial = build(scene)
+    chosen = backends.load(backend).name
+    writer = None
+    if output is not None:  # before the compiler runs: a bad path must not cost a minute
+        facts = provenance(chosen, precision or scene.solver.precision, threads)
+        writer = RunWriter(output, scene.to_toml(), facts, overwrite=overwrite)
+    try:
+        say("compile", message="compiling stages (cached for the next run)")
+        sim = Simulation(scene, chosen, precision, lockstep=lockstep, initial=initial)
+        for text in (*initial.notes, *sim.prepared.warnings):
+            say("warning", message=text)
+        if writer:
+            _append(writer, sim, say)
+        return _loop(sim, writer, say, scene.time.end if until is None else until)
+    finally:
+        if writer:
+            writer.close()
+
+
+def resume(path, backend=None, threads=None, progress=None, until=None):
+    """Continue a run from its last checkpoint; the result equals an uninterrupted run bit by bit.
+
+    Raises:
+        MeltError: no run file, no checkpoint, or a file that is not one of melt's.
+    """
+    from melt.output import checkpoint
+    from melt.output.run_file import RunWriter
+    from melt.output.run_reader import open_run
+
+    say = progress or _ignore
+    _set_threads(threads)
+    past = open_run(path)
+    arrays, meta = checkpoint.load(checkpoint.beside(path))
+    sim = Simulation(scene_from_toml(past.scene_text), backend or meta["backend"], meta["precision"])
+    sim.restore(arrays, meta)
+    writer = RunWriter.resume(path, frames=int(meta["frames"]))
+    try:
+        say("resume", message=f"continuing at t = {sim.time:.6g} s with frame {int(meta['frames'])}")
+        return _loop(sim, writer, say, sim.scene.time.end if until is None else until)
+    finally:
+        writer.close()
+
+
+def _set_threads(threads):
+    if threads:
+        import numba
+
+        if not 1 <= threads <= numba.config.NUMBA_NUM_THREADS:
+            raise MeltError(f"threads: got {threads}, this process allows 1 to {numba.config.NUMBA_NUM_THREADS}")
+        numba.set_num_threads(threads)
+
+
+def _append(writer, sim, say):
+    writer.append(sim.time, sim.frame(), sim.series())
+    say("frame", time=sim.time, frames=writer.frames)
+
+
+def _save(writer, sim):
+    from melt.output import checkpoint
+
+    arrays, meta = sim.checkpoint()
+    meta |= {"frames": writer.frames, "backend": sim.backend.name}
+    checkpoint.save(checkpoint.beside(writer.path), arrays, meta)
+
+
+def _loop(sim, writer, say, end):
+    """Step to ``end``; Ctrl-C ends after the step that is under way, with a last checkpoint."""
+    stop = SimpleNamespace(asked=False)
+
+    def ask(signum, frame):
+        if stop.asked:  # the second Ctrl-C does not wait
+            raise KeyboardInterrupt
+        stop.asked = True
+
+    try:
+        previous = signal.signal(signal.SIGINT, ask)
+    except ValueError:  # not in the main thread: the caller handles Ctrl-C
+        previous = None
+    t, began = sim.scene.time, time.perf_counter()
+    total = max(0, round(np.ceil(end / t.dt - 1e-9)))
+    say("start", steps=total, step=sim.do.clock.step, particles=sim.do.clock.active, simulation=sim)
+    try:
+        while sim.do.clock.step < total and not stop.asked:
+            sim.step()
+            step = sim.do.clock.step
+            say("step", step=step, time=sim.time, n_sub=sim.do.notes.get("n_sub", 0))
+            if writer and (step % t.output_steps == 0 or step == total):
+                _append(writer, sim, say)
+            if writer and ((t.checkpoint_steps and step % t.checkpoint_steps == 0) or step == total):
+                _save(writer, sim)
+        if stop.asked and writer:
+            _save(writer, sim)
+    finally:
+        if previous is not None:
+            signal.signal(signal.SIGINT, previous)
+    say("end", interrupted=stop.asked)
+    return SimpleNamespace(simulation=sim, interrupted=stop.asked, seconds=time.perf_counter() - began)
