@@ -1,14 +1,14 @@
 """Scalar formulas of the neighbour search. Melting spec 2.9.
 
-Compiled without fastmath: the comparison with the support is rounded the same way in every
-loop that calls it, so the grid and the KD-tree of one twin return identical lists even for
-pairs at the support to the last bit (lattices have many).
+All are `exact`: the comparison with the support is rounded the same way in every loop that
+calls it, so the grid and the KD-tree of one twin return identical lists even for pairs at the
+support to the last bit (lattices have many).
 """
 
-from melt._compile import scalar
+from melt._compile import exact
 
 
-@scalar
+@exact
 def axis_cell(x, origin, inverse_cell, count):
     """Return the cell 0 .. count-1 of coordinate x along one axis; those outside are clamped.
 
@@ -25,13 +25,13 @@ def axis_cell(x, origin, inverse_cell, count):
     return 0
 
 
-@scalar
+@exact
 def squared_distance(x, y, z):
     """Return x^2 + y^2 + z^2, added in this order without fused operations."""
     return x * x + y * y + z * z
 
 
-@scalar
+@exact
 def left_size(n):
     """Return the number of nodes left of the root in a left-balanced binary tree of n >= 1 nodes."""
     full = 1  # nodes of the lowest full level, 2^l <= (n + 1) / 2
@@ -41,7 +41,7 @@ def left_size(n):
     return full - 1 + min(n - (2 * full - 1), full)
 
 
-@scalar
+@exact
 def segment_of(place, level, n):
     """Return (first, size, node) of the subtree at a level that holds a place in the in-order sequence.
 
@@ -60,7 +60,7 @@ def segment_of(place, level, n):
     return first, size, node
 
 
-@scalar
+@exact
 def precedes(x, i, y, j):
     """Return whether particle i at coordinate x sorts before j at y: NaN last, ties by index."""
     if x < y:
