@@ -8,7 +8,7 @@ from melt.errors import GeometryError
 from melt.geometry.materials import heater_table, material_table
 from melt.geometry.nozzles import nozzle_table
 from melt.geometry.shapes import keys, sample
-from melt.geometry.walls import beyond_walls, lost_box, wall_cells
+from melt.geometry.walls import beyond_walls, wall_cells
 from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
 
 
@@ -24,8 +24,6 @@ class Initial:
     spacing: float  # dx [m]
     domain_lower: np.ndarray  # inside the walls [m]
     domain_upper: np.ndarray
-    lost_lower: np.ndarray  # outside of this box particles count as lost [m]
-    lost_upper: np.ndarray
     materials: list  # names of the material rows
     bodies: list  # names of the bodies (values of site_body)
     nozzles: list  # `melt.geometry.nozzles.Nozzle`
@@ -63,6 +61,7 @@ def build(scene):
     fills = _fills(scene, walls, solids, notes)
     table, names, rows = material_table(scene)
     nozzles, inflow = nozzle_table(scene)
+    _free(scene, nozzles, inflow["inflow_position"], np.hstack([walls, *solids]))
     spare = sum(n.layers * n.count for n in nozzles)
     arrays = _particles(scene, fills, solids, walls, spare, rows, table)
     arrays.update(_sites(scene, solids, arrays, notes))
@@ -72,11 +71,9 @@ def build(scene):
     if nozzles:
         arrays.update(inflow)
     lower = np.array(scene.domain.lower, float)
-    lost = lost_box(scene.domain, scene.support)
-    return Initial(
-        arrays, scene.spacing, lower, lower + np.array(scene.domain.cells) * scene.spacing, *lost,
-        names, [solid.name for solid in scene.solid], nozzles, notes,
-    )
+    upper = lower + np.array(scene.domain.cells) * scene.spacing
+    bodies = [solid.name for solid in scene.solid]
+    return Initial(arrays, scene.spacing, lower, upper, names, bodies, nozzles, notes)
 
 
 def _walls(scene, notes):
@@ -131,6 +128,17 @@ def _within(cells, domain, name):
             f"{name} reaches through the wall {side} with {count} particles: move it, or enlarge the domain "
             f"(now {domain.lower} to {domain.upper} m)"
         )
+
+
+def _free(scene, nozzles, position, taken):
+    """Refuse nozzles that stand outside, in a wall or in a body."""
+    cells = np.floor((position - np.array(scene.domain.lower)[:, None]) / scene.spacing).astype(np.int64)
+    inside = np.isin(keys(cells), keys(taken))
+    for nozzle in nozzles:
+        mine = slice(nozzle.first, nozzle.first + nozzle.count)
+        _within(cells[:, mine], scene.domain, f"inflow {nozzle.name!r}")
+        if inside[mine].any():
+            raise GeometryError(f"inflow {nozzle.name!r} stands in a solid, wall or obstacle: move it")
 
 
 def _particles(scene, fills, solids, walls, spare, rows, table):

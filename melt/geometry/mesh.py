@@ -97,9 +97,9 @@ def voxelise(vertices, triangles):
     a, b, c = corner[face, 0], corner[face, 1], corner[face, 2]
     area = _cross(b - a, c - a)
     with np.errstate(divide="ignore", invalid="ignore"):
-        point = np.stack([x, y], axis=1)
-        v = _cross(b - a, point - a) / area  # weight of c
-        u = _cross(point - a, c - a) / area  # weight of b
+        step = np.stack([x - a[:, 0], y - a[:, 1]], axis=1)
+        v = _cross(b - a, step) / area  # weight of c
+        u = _cross(step, c - a) / area  # weight of b
         hit = (u >= 0) & (v >= 0) & (u + v <= 1)
         z = a[:, 2] + u * (b[:, 2] - a[:, 2]) + v * (c[:, 2] - a[:, 2])
     winding = np.zeros(shape + [0, 0, 1], dtype=np.int32)

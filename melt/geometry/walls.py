@@ -1,4 +1,4 @@
-"""Walls around the domain, on its lattice; the box outside of which particles are lost."""
+"""Walls around the domain, on its lattice."""
 
 import numpy as np
 
@@ -34,14 +34,3 @@ def beyond_walls(cells, domain):
         if beyond.any():
             found[side] = int(beyond.sum())
     return found
-
-
-def lost_box(domain, support):
-    """Return (lower, upper): half a spacing beyond the walls and a support; a whole domain beyond open sides."""
-    lower = np.array(domain.lower, float)
-    extent = np.array(domain.cells) * domain.spacing
-    near = (domain.walls.layers + 0.5) * domain.spacing + support
-    margin = {side: near if side in domain.walls.sides else max(near, float(extent.max())) for side in SIDES}
-    below = np.array([margin[s] for s in ("x-", "y-", "z-")])
-    above = np.array([margin[s] for s in ("x+", "y+", "z+")])
-    return lower - below, lower + extent + above

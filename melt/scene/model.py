@@ -208,6 +208,10 @@ class Scene(Section):
                     solid.conductivity = 30.0 if paper else 2.22
         for k, nozzle in enumerate(self.inflow):
             nozzle.name = nozzle.name or f"inflow {k}"
+        for kind in (self.solid, self.inflow):
+            names = [item.name for item in kind]
+            if twice := [n for n in names if names.count(n) > 1]:
+                raise ValueError(f"the name {twice[0]!r} is given twice: names of solids and of inflows are unique")
         return self
 
     @property

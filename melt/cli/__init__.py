@@ -1,0 +1,72 @@
+"""The command line: parse, call the library, print. Each command imports what it needs when it runs."""
+
+import sys
+import traceback
+
+import typer
+from rich.console import Console
+from typer.core import TyperGroup
+
+from melt.errors import MeltError
+
+#: Exit codes: 1 an error the user can mend, 2 wrong usage, 3 a check found differences, 70 a fault of melt.
+FAILED, DIFFERENT, INTERNAL, INTERRUPTED = 1, 3, 70, 130
+
+
+class Melt(TyperGroup):
+    """Commands whose errors are one paragraph, with the traceback on ``--debug`` (anywhere on the line)."""
+
+    def parse_args(self, ctx, args):
+        """Take ``--debug`` out of the arguments, wherever it stands."""
+        ctx.meta["debug"] = "--debug" in args
+        return super().parse_args(ctx, [a for a in args if a != "--debug"])
+
+    def invoke(self, ctx):
+        """Run the command; turn errors into a message and an exit code."""
+        try:
+            return super().invoke(ctx)
+        except MeltError as error:
+            code, text = FAILED, f"melt: {error}"
+        except KeyboardInterrupt:
+            code, text = INTERRUPTED, "melt: stopped; files hold all completed frames"
+        except (typer.Exit, typer.Abort):
+            raise
+        except Exception as error:
+            if _is_usage(error):
+                raise
+            code = INTERNAL
+            text = f"melt: internal error, {type(error).__name__}: {error}. This is a fault of melt; --debug shows where"
+        if ctx.meta["debug"]:
+            traceback.print_exc(file=sys.stderr)
+        typer.echo(text, err=True)
+        raise typer.Exit(code)
+
+
+def _is_usage(error):
+    """Return whether click itself reports ``error`` (wrong option, missing argument)."""
+    return hasattr(error, "exit_code") and hasattr(error, "show")
+
+
+app = typer.Typer(
+    cls=Melt, name="melt", no_args_is_help=True, add_completion=False, rich_markup_mode=None,
+    pretty_exceptions_enable=False, context_settings={"help_option_names": ["-h", "--help"]},
+    help="Particle fluids that change state and shape, on CPU and GPU.",
+)
+
+
+@app.callback()
+def _options(debug: bool = typer.Option(False, "--debug", help="Show tracebacks of errors.")):
+    """Take the options that all commands share."""
+
+
+def console():
+    """Return the console for results (stdout; plain text when it is not a terminal)."""
+    return Console(file=sys.stdout, width=None if sys.stdout.isatty() else 200, highlight=False)
+
+
+def main():
+    """Entry point of the command ``melt``."""
+    app(prog_name="melt")
+
+
+from melt.cli import running, scenes, pictures, measure  # noqa: E402, F401, I001  (they add their commands, in this order)

@@ -1,0 +1,81 @@
+"""Commands that measure: check, bench, tradeoff, reproduce."""
+
+import pathlib
+from typing import Annotated
+
+import typer
+
+from melt.cli import DIFFERENT, app
+from melt.cli.options import Backend, SceneName
+from melt.errors import MeltError
+
+Out = Annotated[pathlib.Path | None, typer.Option("--output", "-o", help="File for the results (HDF5).")]
+
+
+@app.command("check")
+def check(
+    stages: Annotated[list[str] | None, typer.Argument(metavar="STAGE", help="Stages; all unless given.")] = None,
+    backends: Annotated[list[str] | None, typer.Option("--backend", "-b", help="Backend to check (repeat).")] = None,
+    precisions: Annotated[list[str] | None, typer.Option("--precision", help="single, mixed, double (repeat).")] = None,
+    out: Out = None,
+):
+    """Cross-check stages: reference, CPU and CUDA on the same inputs; exit code 3 on a difference."""
+    from melt.check import report
+    from melt.stages import STAGES
+
+    _known("stage", stages, STAGES)
+    _known("backend", backends, (*report.BACKENDS, "cuda"))
+    _known("precision", precisions, report.PRECISIONS)
+    failures = report.main(
+        stages or None, tuple(backends) if backends else report.BACKENDS,
+        tuple(precisions) if precisions else report.PRECISIONS, out=out,
+    )
+    if failures:
+        raise typer.Exit(DIFFERENT)
+
+
+@app.command("bench")
+def bench(
+    sizes: Annotated[list[int] | None, typer.Argument(metavar="PARTICLES", help="Liquid particles; a series unless given.")] = None,
+    backend: Backend = "cpu",
+    precision: Annotated[str, typer.Option("--precision", help="single, mixed or double.")] = "single",
+    threads: Annotated[list[int] | None, typer.Option("--threads", help="CPU threads (repeat).")] = None,
+    steps: Annotated[int, typer.Option("--steps", min=1, help="Steps to take the median of.")] = 10,
+    out: Out = None,
+):
+    """Time the stages: milliseconds, nanoseconds per pair, scaling with particles and threads."""
+    from melt import bench as benchmark
+
+    _known("precision", [precision], ("single", "mixed", "double"))
+    benchmark.run(
+        tuple(sizes) if sizes else benchmark.SIZES, backend, precision,
+        tuple(threads) if threads else (1, 2), steps, out=out, say=typer.echo,
+    )
+
+
+@app.command("tradeoff")
+def tradeoff(scene: SceneName, out: Out = None):
+    """Measure the speed-for-error front of a scene: one knob at a time, error beside time."""
+    from melt import tradeoff as study
+
+    study.run(scene, out)
+
+
+@app.command("reproduce")
+def reproduce(
+    name: Annotated[str | None, typer.Argument(metavar="TABLE", help="Paper table or figure; a list unless given.")] = None,
+):
+    """Repeat an experiment of the paper and print paper, ours and ratio."""
+    from melt import reproduce as study
+
+    study.run(name)
+
+
+def _known(kind, given, known):
+    for name in given or ():
+        if name not in known:
+            import difflib
+
+            close = difflib.get_close_matches(name, known, 3)
+            hint = f"did you mean {', '.join(close)}?" if close else f"known: {', '.join(known)}"
+            raise MeltError(f"unknown {kind} {name!r}; {hint}")

@@ -1,0 +1,97 @@
+"""Commands that step: run and resume."""
+
+import pathlib
+from typing import Annotated
+
+import typer
+
+from melt.cli import INTERRUPTED, app
+from melt.cli.options import Backend, Overrides, Precision, Preset, Quiet, RunPath, SceneName, Threads
+from melt.cli.progress import RunProgress
+from melt.errors import MeltError
+
+Until = Annotated[str | None, typer.Option("--until", metavar="TIME", help="End time in place of the scene's ('2 s').")]
+
+
+@app.command("run")
+def run(
+    scene: SceneName,
+    output: Annotated[
+        pathlib.Path | None, typer.Option("--output", "-o", help="Run file; SCENE.vtkhdf unless given.")
+    ] = None,
+    override: Overrides = None,
+    preset: Preset = None,
+    backend: Backend = "auto",
+    precision: Precision = None,
+    threads: Threads = None,
+    until: Until = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", "-f", help="Replace an existing run file.")] = False,
+    lockstep: Annotated[
+        str | None, typer.Option("--lockstep", metavar="BACKEND", help="Run a second backend beside and compare each stage.")
+    ] = None,
+    quiet: Quiet = False,
+):
+    """Run a scene and write its run file, which ParaView opens as it is."""
+    from melt.scene import load_scene
+
+    chosen = load_scene(scene, override or (), preset)
+    end = _seconds(until)
+    _precision(precision)
+    output = output or pathlib.Path(f"{pathlib.Path(scene).stem}.vtkhdf")
+    from melt import simulate
+
+    with RunProgress(quiet) as progress:
+        result = simulate.run(
+            chosen, output, backend=backend, precision=precision, threads=threads, progress=progress,
+            overwrite=overwrite, lockstep=lockstep, until=end,
+        )
+    _end(result, progress, output, lockstep)
+
+
+@app.command("resume")
+def resume(
+    path: RunPath,
+    backend: Annotated[str | None, typer.Option("--backend", "-b", help="The run's own unless given.")] = None,
+    threads: Threads = None,
+    until: Until = None,
+    quiet: Quiet = False,
+):
+    """Continue a run from its last checkpoint; on the same backend bit by bit as if it had never stopped."""
+    end = _seconds(until)
+    from melt import simulate
+
+    with RunProgress(quiet) as progress:
+        result = simulate.resume(path, backend=backend, threads=threads, progress=progress, until=end)
+    _end(result, progress, path, None)
+
+
+def _end(result, progress, output, lockstep):
+    """Say what came out of a run; Ctrl-C gives the exit code of an interrupted command."""
+    rate = progress.rate()
+    progress.say(
+        f"{output}: {progress.frames} frames, t = {result.simulation.time:.4g} s, "
+        f"{result.seconds:.1f} s wall{f', {rate}' if rate else ''}"
+    )
+    if lockstep:
+        for (stage, field), found in sorted(result.simulation.do.worst.items()):
+            progress.say(f"  {stage}.{field}: {found.ratio:.3g} of the tolerance")
+    if result.interrupted:
+        progress.say(f"stopped as asked: the file is whole; continue with melt resume {output}")
+        raise typer.Exit(INTERRUPTED)
+
+
+def _seconds(text):
+    if text is None:
+        return None
+    from melt import units
+
+    seconds = units.read(text, "time")
+    if not 0 <= seconds < float("inf"):
+        raise MeltError(f"--until {text}: it must be a time of 0 s or more, such as '2 s'")
+    return seconds
+
+
+def _precision(name):
+    known = ("single", "mixed", "double")
+    if name is not None and name not in known:
+        raise MeltError(f"unknown precision {name!r}: use {', '.join(known)}")

@@ -1,0 +1,55 @@
+"""Commands about scenes: scenes, plan, schema, show."""
+
+import json
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from melt.cli import app, console
+from melt.cli.options import Overrides, Precision, Preset, SceneName
+
+
+@app.command("scenes")
+def scenes(
+    names: Annotated[bool, typer.Option("--names", help="Print the names only, one per line.")] = False,
+):
+    """List the shipped scenes and what each stands for."""
+    from melt.scene import load_scene, shipped_scenes
+
+    shipped = shipped_scenes()
+    if names:
+        typer.echo("\n".join(shipped))
+        return
+    table = Table("scene", "stands for", "what happens", box=None, pad_edge=False)
+    for name in shipped:
+        about = load_scene(name).scene
+        table.add_row(name, about.figure, about.description)
+    console().print(table)
+
+
+@app.command("plan")
+def plan(scene: SceneName, override: Overrides = None, preset: Preset = None, precision: Precision = None):
+    """Say what a run would do: stages, fields, memory, time steps, and findings with their fixes."""
+    from melt.plan import plan as make_plan
+    from melt.scene import load_scene
+
+    chosen = load_scene(scene, override or (), preset)
+    for line in make_plan(chosen, precision=precision).lines():
+        typer.echo(line)
+
+
+@app.command("schema")
+def schema():
+    """Print the JSON Schema of scene files."""
+    from melt.scene import Scene
+
+    typer.echo(json.dumps({"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}, indent=2))
+
+
+@app.command("show")
+def show(scene: SceneName, override: Overrides = None, preset: Preset = None):
+    """Print a scene as TOML with every value that is in force."""
+    from melt.scene import load_scene
+
+    typer.echo(load_scene(scene, override or (), preset).to_toml(), nl=False)
