@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from melt.check._cloud import INACTIVE, LIQUID, SOLID, SPACING, SUPPORT, WALL, body_cells
+from melt.check._cloud import INACTIVE, LIQUID, QUANTUM, SOLID, SPACING, SUPPORT, WALL, body_cells, quantise
 from melt.check._thermal import conductance, heaters, materials, thermal_fields
 from melt.check._tree import left_balanced
 
@@ -90,7 +90,19 @@ def _rest_sum(arrays):
     return total
 
 
+def surface_nodes(arrays):
+    """Points for the surface field: at particles, exactly at the reach of an isolated one, between, far away."""
+    rng = np.random.default_rng(11)
+    x = arrays["position"]
+    if x.shape[1] == 0:
+        return np.zeros((3, 5)) + np.arange(5)
+    near = x[:, rng.integers(0, x.shape[1], 200)] + quantise(rng.uniform(-0.3, 0.3, (3, 200)))
+    far = np.full((3, 1), 40 * SPACING)
+    edge = far + np.array([[2 * SPACING, 0, QUANTUM - 2 * SPACING], [0, -2 * SPACING, 0], [0, 0, 0]])
+    return np.concatenate([x[:, ::3], near, far, edge, far + 9, -far], axis=1)
+
+
 def special_fields(arrays, rng):
     """Return fields that need sites or several others: guard pairs, tree, sums at rest, heaters, inflow."""
     return dict(offenders=guard_pairs(arrays), tree=left_balanced(arrays["position"]), rest_sum=_rest_sum(arrays),
-                **heaters(), **_inflow(rng))
+                surface_node=surface_nodes(arrays), **heaters(), **_inflow(rng))

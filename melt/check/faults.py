@@ -70,14 +70,14 @@ def swapped_arguments(name, function):
 
 
 def wrong_field(name, function):
-    """The first real input that is not written is mistaken for one of other values."""
+    """The first real input that is not written is mistaken for one of other values (here: back to front)."""
     stage = STAGES[name]
 
     def faulty(*arguments):
         arguments = list(arguments)
         for k, a in enumerate(stage.arguments):
             if a not in stage.params and a not in stage.writes and arguments[k].dtype.kind == "f" and arguments[k].size:
-                arguments[k] = np.roll(arguments[k], 1, axis=-1)
+                arguments[k] = np.ascontiguousarray(arguments[k][..., ::-1])
                 break
         function(*arguments)
 
