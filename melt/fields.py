@@ -23,6 +23,7 @@ EXTENTS = {
     "material": "materials of the scene",
     "heater": "heaters of the scene",
     "inlet": "particles of one layer of all nozzles together",
+    "surface_node": "points at which the surface field is wanted",
     "reduction": "64 partial results of a fixed-shape reduction",
 }
 
@@ -117,6 +118,16 @@ _TABLE = [
     _f("region_velocity", "3 site", "real", "m/s", "speed", "mean velocity of the region"),
     _f("region_spin", "3 site", "real", "1/s", "rate", "angular velocity of the region"),
     _f("goal", "3 site", "real", "m", "spacing", "goal position of the site's particle minus its position"),
+    _f("site_adjacent", "site link", "int", "1", "", "sites of the same body by offset, vacant ones included, -1 for none"),
+    _f("site_hops", "site", "int", "1", "", "scratch: hops to the nearest site that froze in this step"),
+    _f("freeze_site", "particle", "int", "1", "", "vacant site that a freezing particle would take, -1 for none"),
+    _f("freeze_distance", "particle", "int", "1", "", "distance to that site in 1/4096 of the reach"),
+    _f("frozen", "reduction", "int", "1", "", "sites that were taken in this step, counted in 64 pieces"),
+    _f("component_centre", "3 site", "real", "m", "spacing", "centre of mass of the component minus the position of its first particle"),
+    _f("component_rest", "3 site", "real", "m", "spacing", "the same at rest; component fields stand at its smallest site"),
+    _f("component_rotation", "4 site", "real", "1", "one", "rotation quaternion (w, x, y, z) of the component, w >= 0"),
+    _f("component_push", "3 site", "real", "m/s^2", "acceleration", "force on the component / its mass"),
+    _f("component_twist", "3 site", "real", "1/s^2", "rate2", "angular acceleration of the component, I^+ torque"),
     _f("claim", "site", "int", "1", "", "freezing particle that won the site, -1 for none"),
     # materials (rows of the scene's material table)
     _f("material_density", "material", "real", "kg/m^3", "density", "rest density"),
@@ -140,6 +151,10 @@ _TABLE = [
     _f("inflow_volume", "inlet", "real", "m^3", "volume", "its rest volume"),
     _f("inflow_temperature", "inlet", "real", "degC", "temperature", "its temperature"),
     _f("inflow_material", "inlet", "int", "1", "", "its material"),
+    # surface reconstruction (output only)
+    _f("surface_node", "3 surface_node", "position", "m", "spacing", "point at which the surface field is wanted"),
+    _f("surface_distance", "surface_node", "real", "m", "spacing", "surface field, negative inside the liquid"),
+    _f("surface_temperature", "surface_node", "real", "degC", "temperature", "temperature at the point, 0 away from particles"),
     # reductions read by the host
     _f("motion_bounds", "2 reduction", "real", "m/s, m/s^2", "speed", "largest speed and acceleration of mobile particles"),
 ]

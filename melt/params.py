@@ -117,6 +117,15 @@ class Change(NamedTuple):
     speed: float  # and slower than this relative to it [m/s]
 
 
+class Reconstruction(NamedTuple):
+    """Surface of a set of particles. Spec 2.8."""
+
+    reach: float  # R [m]; not larger than a cell of the grid
+    radius: float  # r [m]
+    correct: int  # 1: eigenvalue correction against sheets between approaching parts
+    temperature: int  # 1: particles have a temperature
+
+
 class Domain(NamedTuple):
     """Box outside of which particles count as lost. Spec 6."""
 

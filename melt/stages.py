@@ -49,6 +49,7 @@ _STIFF = Tolerance(2e-4, 1e-11, "seventh power and differences of nearly equal t
 _FEW = Tolerance(2e-6, 1e-14, "a few operations per element")
 _REGION = Tolerance(5e-5, 1e-11, "sum over up to 125 members and a rotation")
 _SWEEP = Tolerance(5e-5, 1e-11, "a chain of pair updates")
+_EIGEN = Tolerance(2e-4, 1e-8, "closed-form eigenvalue: a double root has half the digits")
 _SOLVER = Tolerance(1e-4, 1e-7, "iterated to its own residual tolerance")
 
 
@@ -116,8 +117,18 @@ _LIST = [
     _stage("region_share", "lattice", "melting 2.7", "mass site_particle site_region_count", "", "region_share", _FEW),
     _stage("region_rest", "lattice", "melting 2.7", "site_region site_region_count site_dirty region_share", "lattice", "region_mass region_rest",
            _REGION, partial=True),
+    # freezing: the choice of a site needs the whole neighbourhood, more than 12 arguments
+    _stage("freeze_choice", "freezing", "melting 3.4",
+           f"position velocity phase material temperature latent_energy site site_adjacent site_link_count {_NEAR} "
+           "region_rotation region_shift material_melting_point material_freezes_to", "lattice change", "freeze_site freeze_distance", _EXACT),
     _stage("freeze_claim", "freezing", "melting 3.4",
-           "position velocity phase material temperature latent_energy site_rest region_centre", "lattice change", "claim", _EXACT),
+           f"id freeze_site freeze_distance site_particle site_adjacent site_link_count {_NEAR}", "", "claim frozen", _EXACT),
+    _stage("freeze_particles", "freezing", "melting 3.4",
+           "freeze_site claim material_freezes_to material_density", "change", "phase material site mass rest_volume", _FEW, partial=True),
+    _stage("freeze_sites", "freezing", "melting 3.4", "claim site_adjacent", "",
+           "site_particle site_links site_link_count region_rotation", _COPY, partial=True),
+    _stage("mark_frozen", "freezing", "melting 3.1 rule 5", "claim site_links site_link_count", "lattice",
+           "site_dirty site_hops", _EXACT, scratch="site_hops"),
     # ---- shape matching: line 11
     _stage("region_match", "lattice", "melting 2.7",
            "position site_particle site_region site_region_count region_share region_mass region_rest region_rotation",
@@ -130,6 +141,12 @@ _LIST = [
     _stage("damp_velocity", "damping", "melting 2.7",
            "site_particle site_position site_velocity site_region site_region_count region_centre region_velocity region_spin velocity",
            "factor", "velocity", _REGION, partial=True),
+    _stage("rigid_match", "rigid", "melting 4 (baseline)",
+           "position force mass site_particle site_component site_cell component_rotation", "lattice",
+           "component_centre component_rest component_rotation component_push component_twist", _REGION, partial=True),
+    _stage("rigid_goal", "rigid", "melting 4 (baseline)",
+           "position mass site_particle site_component site_cell component_centre component_rest component_rotation component_push "
+           "component_twist", "lattice", "force goal", _REGION, partial=True),
     # ---- heat: line 13, eq 4 (pair stages take the enthalpy of both partners: more than 12 arguments)
     _stage("thermal_properties", "heat", "melting 2.5",
            "phase material mass rest_volume volume density material_conductivity material_specific_heat", "heat",
@@ -138,7 +155,7 @@ _LIST = [
            "phase material mass heat_volume heat_capacity material_specific_heat material_latent_heat material_melting_point "
            "material_melts_to material_freezes_to temperature latent_energy", "heat",
            f"heat_capacity {_LATENT} temperature latent_energy", _FEW),
-    _stage("latent_start", "heat", "melting 3.5", "phase latent_capacity", "", "latent_energy", _COPY),
+    _stage("latent_start", "heat", "melting 3.5", "phase", "", "latent_energy", _COPY),
     _stage("heat_source", "heat_source", "melting 2.5",
            "position heat_volume heater_shape heater_centre heater_size heater_mode heater_value heater_reach "
            f"{_LATENT} temperature latent_energy heat_capacity", "heat dt", "temperature latent_energy heat_capacity", _FEW),
@@ -185,6 +202,8 @@ _LIST = [
     _stage("motion_bounds", "motion", "melting 2.6", "phase mass velocity force", "", "motion_bounds", _FEW),
     # ---- surface: line 15
     _stage("surface", "surface", "melting 2.8", f"position phase volume {_NEAR}", "smoothing full_neighbours", "surface", _EXACT),
+    _stage("surface_field", "surface_field", "melting 2.8", "position temperature cell_start surface_node", "grid reconstruction",
+           "surface_distance surface_temperature", _EIGEN),
 ]
 
 STAGES = {stage.name: stage for stage in _LIST}

@@ -114,6 +114,8 @@ def _params(stage, real, grid, choice):
         if name in TUPLES:
             kind, values = TUPLES[name]
             values = dict(grid) if name == "grid" else dict(values)
+            if name == "heat" and choice.get("law", P.HEAT_PHYSICAL) == P.HEAT_PAPER:
+                values["ambient_transfer"] *= 2.5e-7  # m/s: divided by density and specific heat
             values.update({k: v for k, v in choice.items() if k in values})
             found[name] = P.make(kind, real, **values)
         elif name in SCALARS:

@@ -34,13 +34,12 @@ def save(path, arrays, meta):
         OutputError: it could not be written; the older one is still there.
     """
     path = pathlib.Path(path)
-    arrays = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+    arrays = {name: np.asarray(array, order="C") for name, array in arrays.items()}
     for name, array in arrays.items():
         if array.dtype.kind not in "fiub":
             raise OutputError(
                 f"array '{name}' of checkpoint {path} has type {array.dtype}; only numbers are kept."
             )
-    # ascontiguousarray makes scalars into rows: the table keeps the shape given
     table = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
     header = json.dumps({"meta": meta, "arrays": table}).encode()
     temporary = path.with_name(f".{path.name}.part")
