@@ -1,0 +1,63 @@
+"""Melting and freezing of lattice sites, and what follows for links, regions and their sums."""
+
+
+def build_lattice(do):
+    """Fill regions and sums for the first time (every site is dirty)."""
+    _refill(do)
+    do.components()
+
+
+def melt_and_relink(do):
+    """Melt what is exposed and hot, one layer at most (line 9), and mend the lattice (line 10).
+
+    Reads back once whether anything melted, and once more where crumbs melt too.
+    """
+    do.melt_test()
+    melted = int(do.read("melted").sum())
+    do.note("melted", melted)
+    if melted == 0:
+        return
+    _take_out(do)
+    if do.settings.crumb > 0:
+        do.crumble(smallest=do.settings.crumb)
+        crumbs = int(do.read("melted").sum())
+        if crumbs > 0:
+            _take_out(do)
+        do.note("melted", melted + crumbs)
+
+
+def _take_out(do):
+    """Make liquid of the melting sites' particles and take the sites out of links and regions."""
+    do.melt_particles()
+    do.mark_dirty()  # on the regions as they were
+    do.unlink()
+    _refill(do)
+    do.components()
+
+
+def _refill(do):
+    """Renew regions that are dirty, then the shares and sums that changed with them."""
+    do.fill_regions()
+    do.region_share()
+    do.region_rest()
+    if do.settings.solid_volume == "rest":
+        do.rest_sum()
+
+
+def freeze(do):
+    """Let cold liquid particles take vacant sites beside their bodies (spec 3.4).
+
+    Predictions come from the last shape match: c_r + R_r (X0 - c0_r) of a live neighbour site.
+    Reads back once whether a site was claimed.
+    """
+    do.freeze_choice()
+    do.freeze_claim()
+    frozen = int(do.read("frozen").sum())
+    do.note("frozen", frozen)
+    if frozen == 0:
+        return
+    do.freeze_particles()
+    do.freeze_sites()
+    do.mark_frozen()
+    _refill(do)
+    do.components()
