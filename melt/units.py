@@ -83,13 +83,14 @@ def read(value, quantity):
         UnitError: not a quantity, an unknown unit, or a unit of another kind.
     """
     kind = QUANTITIES[quantity]
+    advice = f"give a number in {kind.unit} or text such as '{kind.example}'"
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise UnitError(f"{value!r} is not a {kind.name}: give a number in {kind.unit} or text such as '{kind.example}'")
+        raise UnitError(f"{value!r} is not {_article(kind.name)}: {advice}")
     if not isinstance(value, str):
         return float(value)
     match = _NUMBER.fullmatch(value)
     if match is None:
-        raise UnitError(f"{value!r} is not a {kind.name}: give a number in {kind.unit} or text such as '{kind.example}'")
+        raise UnitError(f"{value!r} is not {_article(kind.name)}: {advice}")
     number, unit = float(match[1].replace("_", "")), match[2].strip()
     if not unit:
         return number
@@ -97,7 +98,8 @@ def read(value, quantity):
         return number * _UNITS[name][0] + _OFFSET[name]
     factor, dimension = unit_of(unit, value)
     if dimension != kind.dimension:
-        raise UnitError(f"{value!r} is {_article(_name(dimension))}, expected {_article(kind.name)} such as '{kind.example}'")
+        expected = f"expected {_article(kind.name)} such as '{kind.example}'"
+        raise UnitError(f"{value!r} is {_article(_name(dimension))}, {expected}")
     return number * factor
 
 

@@ -67,4 +67,4 @@ if __name__ == "__main__":
     for name, parts in (("rabbit", RABBIT), ("duck", DUCK)):
         mesh = surface(parts)
         mesh.export(pathlib.Path(__file__).with_name(f"{name}.ply"), vertex_normal=False)
-        print(name, len(mesh.vertices), "vertices", len(mesh.faces), "faces, volume", round(mesh.volume, 3), "extents", mesh.extents)
+        print(f"{name}: {len(mesh.vertices)} vertices, volume {mesh.volume:.3f}, extents {mesh.extents}")

@@ -25,20 +25,20 @@ class Melt(TyperGroup):
         """Run the command; turn errors into a message and an exit code."""
         try:
             return super().invoke(ctx)
-        except MeltError as error:
-            code, text = FAILED, f"melt: {error}"
-        except KeyboardInterrupt:
-            code, text = INTERRUPTED, "melt: stopped; files hold all completed frames"
         except (typer.Exit, typer.Abort):
             raise
+        except KeyboardInterrupt:
+            code, text, trace = INTERRUPTED, "stopped; files hold all completed frames", ""
         except Exception as error:
             if _is_usage(error):
                 raise
-            code = INTERNAL
-            text = f"melt: internal error, {type(error).__name__}: {error}. This is a fault of melt; --debug shows where"
-        if ctx.meta["debug"]:
-            traceback.print_exc(file=sys.stderr)
-        typer.echo(text, err=True)
+            code, text, trace = FAILED, str(error), traceback.format_exc()
+            if not isinstance(error, MeltError):
+                code = INTERNAL
+                text = (
+                    f"internal error, {type(error).__name__}: {error}. A fault of melt; --debug shows where"
+                )
+        typer.echo(f"{trace if ctx.meta['debug'] else ''}melt: {text}", err=True)
         raise typer.Exit(code)
 
 
@@ -48,8 +48,13 @@ def _is_usage(error):
 
 
 app = typer.Typer(
-    cls=Melt, name="melt", no_args_is_help=True, add_completion=False, rich_markup_mode=None,
-    pretty_exceptions_enable=False, context_settings={"help_option_names": ["-h", "--help"]},
+    cls=Melt,
+    name="melt",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     help="Particle fluids that change state and shape, on CPU and GPU.",
 )
 

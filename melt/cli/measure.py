@@ -14,9 +14,15 @@ Out = Annotated[pathlib.Path | None, typer.Option("--output", "-o", help="File f
 
 @app.command("check")
 def check(
-    stages: Annotated[list[str] | None, typer.Argument(metavar="STAGE", help="Stages; all unless given.")] = None,
-    backends: Annotated[list[str] | None, typer.Option("--backend", "-b", help="Backend to check (repeat).")] = None,
-    precisions: Annotated[list[str] | None, typer.Option("--precision", help="single, mixed, double (repeat).")] = None,
+    stages: Annotated[
+        list[str] | None, typer.Argument(metavar="STAGE", help="Stages; all unless given.")
+    ] = None,
+    backends: Annotated[
+        list[str] | None, typer.Option("--backend", "-b", help="Backend to check (repeat).")
+    ] = None,
+    precisions: Annotated[
+        list[str] | None, typer.Option("--precision", help="single, mixed, double (repeat).")
+    ] = None,
     out: Out = None,
 ):
     """Cross-check stages: reference, CPU and CUDA on the same inputs; exit code 3 on a difference."""
@@ -27,8 +33,10 @@ def check(
     _known("backend", backends, (*report.BACKENDS, "cuda"))
     _known("precision", precisions, report.PRECISIONS)
     failures = report.main(
-        stages or None, tuple(backends) if backends else report.BACKENDS,
-        tuple(precisions) if precisions else report.PRECISIONS, out=out,
+        stages or None,
+        tuple(backends) if backends else report.BACKENDS,
+        tuple(precisions) if precisions else report.PRECISIONS,
+        out=out,
     )
     if failures:
         raise typer.Exit(DIFFERENT)
@@ -36,7 +44,9 @@ def check(
 
 @app.command("bench")
 def bench(
-    sizes: Annotated[list[int] | None, typer.Argument(metavar="PARTICLES", help="Liquid particles; a series unless given.")] = None,
+    sizes: Annotated[
+        list[int] | None, typer.Argument(metavar="PARTICLES", help="Liquid particles; a series unless given.")
+    ] = None,
     backend: Backend = "cpu",
     precision: Annotated[str, typer.Option("--precision", help="single, mixed or double.")] = "single",
     threads: Annotated[list[int] | None, typer.Option("--threads", help="CPU threads (repeat).")] = None,
@@ -48,8 +58,13 @@ def bench(
 
     _known("precision", [precision], ("single", "mixed", "double"))
     benchmark.run(
-        tuple(sizes) if sizes else benchmark.SIZES, backend, precision,
-        tuple(threads) if threads else (1, 2), steps, out=out, say=typer.echo,
+        tuple(sizes) if sizes else benchmark.SIZES,
+        backend,
+        precision,
+        tuple(threads) if threads else (1, 2),
+        steps,
+        out=out,
+        say=typer.echo,
     )
 
 
@@ -63,7 +78,9 @@ def tradeoff(scene: SceneName, out: Out = None):
 
 @app.command("reproduce")
 def reproduce(
-    name: Annotated[str | None, typer.Argument(metavar="TABLE", help="Paper table or figure; a list unless given.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(metavar="TABLE", help="Paper table or figure; a list unless given.")
+    ] = None,
 ):
     """Repeat an experiment of the paper and print paper, ours and ratio."""
     from melt import reproduce as study

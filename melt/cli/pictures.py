@@ -1,12 +1,10 @@
 """Commands on run files: info and render."""
 
-import pathlib
-from typing import Annotated
 
 import typer
 
 from melt.cli import app
-from melt.cli.options import Quiet, RunPath
+from melt.cli.options import RunPath
 
 
 @app.command("info")

@@ -27,8 +27,13 @@ class RunProgress:
         self._stepping = None  # wall time when the first step, which compiles, ended
         self._began = time.perf_counter()
         self._bar = Progress(
-            TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn(),
-            TextColumn("{task.fields[rate]}"), console=Console(file=self.stream), transient=True,
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TaskProgressColumn(),
+            TimeRemainingColumn(),
+            TextColumn("{task.fields[rate]}"),
+            console=Console(file=self.stream),
+            transient=True,
         )
         self._task = self._bar.add_task("preparing", total=None, rate="")
 
@@ -36,7 +41,8 @@ class RunProgress:
         return self
 
     def __exit__(self, *error):
-        self._bar.stop()
+        if self._bar.live.is_started:
+            self._bar.stop()
 
     def __call__(self, event, message="", **values):
         """Take news of the run."""
@@ -86,7 +92,9 @@ class RunProgress:
             if not self._bar.live.is_started and now - self._began > DELAY:
                 self._bar.start()
             text = f"t = {time:.4g} s"
-            self._bar.update(self._task, description=text, completed=step, total=self.steps, rate=self.rate(now))
+            self._bar.update(
+                self._task, description=text, completed=step, total=self.steps, rate=self.rate(now)
+            )
 
     def _on_frame(self, message, frames=0, **_):
         self.frames = frames

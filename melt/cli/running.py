@@ -10,7 +10,9 @@ from melt.cli.options import Backend, Overrides, Precision, Preset, Quiet, RunPa
 from melt.cli.progress import RunProgress
 from melt.errors import MeltError
 
-Until = Annotated[str | None, typer.Option("--until", metavar="TIME", help="End time in place of the scene's ('2 s').")]
+Until = Annotated[
+    str | None, typer.Option("--until", metavar="TIME", help="End time in place of the scene's ('2 s').")
+]
 
 
 @app.command("run")
@@ -25,9 +27,14 @@ def run(
     precision: Precision = None,
     threads: Threads = None,
     until: Until = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", "-f", help="Replace an existing run file.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", "-f", help="Replace an existing run file.")
+    ] = False,
     lockstep: Annotated[
-        str | None, typer.Option("--lockstep", metavar="BACKEND", help="Run a second backend beside and compare each stage.")
+        str | None,
+        typer.Option(
+            "--lockstep", metavar="BACKEND", help="Run a second backend beside and compare each stage."
+        ),
     ] = None,
     quiet: Quiet = False,
 ):
@@ -42,8 +49,15 @@ def run(
 
     with RunProgress(quiet) as progress:
         result = simulate.run(
-            chosen, output, backend=backend, precision=precision, threads=threads, progress=progress,
-            overwrite=overwrite, lockstep=lockstep, until=end,
+            chosen,
+            output,
+            backend=backend,
+            precision=precision,
+            threads=threads,
+            progress=progress,
+            overwrite=overwrite,
+            lockstep=lockstep,
+            until=end,
         )
     _end(result, progress, output, lockstep)
 
@@ -51,7 +65,9 @@ def run(
 @app.command("resume")
 def resume(
     path: RunPath,
-    backend: Annotated[str | None, typer.Option("--backend", "-b", help="The run's own unless given.")] = None,
+    backend: Annotated[
+        str | None, typer.Option("--backend", "-b", help="The run's own unless given.")
+    ] = None,
     threads: Threads = None,
     until: Until = None,
     quiet: Quiet = False,

@@ -31,7 +31,7 @@ def scenes(
 @app.command("plan")
 def plan(scene: SceneName, override: Overrides = None, preset: Preset = None, precision: Precision = None):
     """Say what a run would do: stages, fields, memory, time steps, and findings with their fixes."""
-    from melt.plan import plan as make_plan
+    from melt.preflight import plan as make_plan
     from melt.scene import load_scene
 
     chosen = load_scene(scene, override or (), preset)
@@ -44,7 +44,11 @@ def schema():
     """Print the JSON Schema of scene files."""
     from melt.scene import Scene
 
-    typer.echo(json.dumps({"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}, indent=2))
+    typer.echo(
+        json.dumps(
+            {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}, indent=2
+        )
+    )
 
 
 @app.command("show")

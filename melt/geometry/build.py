@@ -96,7 +96,9 @@ def _solids(scene, walls, notes):
         for other, theirs in taken.items():
             shared = int(np.isin(keys(cells), theirs).sum())
             if shared:
-                raise GeometryError(f"{name} stands in {other} with {shared} of its {cells.shape[1]} particles: move it")
+                raise GeometryError(
+                    f"{name} stands in {other} with {shared} of its {cells.shape[1]} particles: move it"
+                )
         taken[name] = keys(cells)
         bodies.append(cells)
     return bodies
@@ -112,9 +114,13 @@ def _fills(scene, walls, solids, notes):
         mine = keys(cells)
         hit, again = np.isin(mine, obstacles) | np.isin(mine, bodies), np.isin(mine, filled)
         if hit.any():
-            notes.append(f"{name}: removed {int(hit.sum())} liquid particles closer than 0.9 dx to a solid or wall")
+            notes.append(
+                f"{name}: removed {int(hit.sum())} liquid particles closer than 0.9 dx to a solid or wall"
+            )
         if (again & ~hit).any():
-            notes.append(f"{name}: removed {int((again & ~hit).sum())} liquid particles that an earlier region has")
+            notes.append(
+                f"{name}: removed {int((again & ~hit).sum())} liquid particles that an earlier region has"
+            )
         cells = cells[:, ~(hit | again)]
         _within(cells, scene.domain, name)
         filled = np.concatenate([filled, keys(cells)])
@@ -144,7 +150,9 @@ def _free(scene, nozzles, position, taken):
 def _particles(scene, fills, solids, walls, spare, rows, table):
     """Arrays over particles."""
     dx, fluid, heat = scene.spacing, scene.fluid, scene.heat
-    wall_temperature = fluid.temperature if heat is None or heat.wall_temperature is None else heat.wall_temperature
+    wall_temperature = (
+        fluid.temperature if heat is None or heat.wall_temperature is None else heat.wall_temperature
+    )
     # (cells, phase, material, velocity, temperature) of each group, in the order of the arrays
     groups = [
         (c, LIQUID, 0, f.velocity, fluid.temperature if f.temperature is None else f.temperature)
@@ -181,12 +189,16 @@ def _sites(scene, solids, arrays, notes):
     vacant = _vacant(scene, solids)
     cells = [np.hstack([c, v]) for c, v in zip(solids, vacant)]
     # all live sites first (in the order of their particles), then the vacant ones
-    live = np.concatenate([np.zeros(0, bool), *(np.arange(c.shape[1]) < s.shape[1] for c, s in zip(cells, solids))])
+    live = np.concatenate(
+        [np.zeros(0, bool), *(np.arange(c.shape[1]) < s.shape[1] for c, s in zip(cells, solids))]
+    )
     order = np.concatenate([np.flatnonzero(live), np.flatnonzero(~live)])
     # the body's own origin is a lattice point near its middle: rest positions stay small and exact
     origin = [np.floor(c.mean(axis=1)).astype(np.int64) if c.size else np.zeros(3, np.int64) for c in solids]
     rest = [scene.spacing * (c - o[:, None]) for c, o in zip(cells, origin)]
-    body = np.concatenate([np.zeros(0, np.int32), *(np.full(c.shape[1], b, np.int32) for b, c in enumerate(cells))])
+    body = np.concatenate(
+        [np.zeros(0, np.int32), *(np.full(c.shape[1], b, np.int32) for b, c in enumerate(cells))]
+    )
     particle = np.full(len(order), -1, np.int32)
     particle[: len(solid)] = solid
     return {

@@ -23,7 +23,10 @@ def material_table(scene):
         "density": scene.fluid.density,
         "conductivity": (heat.conductivity if heat else 0.0) * scale,
         "specific_heat": heat.specific_heat if heat else 1.0,
-        "melting_point": math.inf, "latent_heat": 0.0, "melts_to": 0, "freezes_to": -1,
+        "melting_point": math.inf,
+        "latent_heat": 0.0,
+        "melts_to": 0,
+        "freezes_to": -1,
     }
     names, rows, row_of, source = ["liquid"], [liquid], [], {}
     for solid in scene.solid:
@@ -34,12 +37,17 @@ def material_table(scene):
         k = len(rows)
         source[solid.material] = (k, solid)
         row_of.append(k)
-        rows.append({
-            "density": solid.density, "conductivity": (solid.conductivity or 0.0) * scale,
-            "specific_heat": solid.specific_heat, "melting_point": solid.melting_point,
-            "latent_heat": solid.latent_heat if heat and heat.latent else 0.0,
-            "melts_to": k + 1 if own else 0, "freezes_to": -1,
-        })
+        rows.append(
+            {
+                "density": solid.density,
+                "conductivity": (solid.conductivity or 0.0) * scale,
+                "specific_heat": solid.specific_heat,
+                "melting_point": solid.melting_point,
+                "latent_heat": solid.latent_heat if heat and heat.latent else 0.0,
+                "melts_to": k + 1 if own else 0,
+                "freezes_to": -1,
+            }
+        )
         names.append(solid.material)
         if own:
             freezes = k if heat and heat.refreeze else -1
@@ -48,7 +56,9 @@ def material_table(scene):
     if heat and heat.refreeze and not own and scene.solid:
         liquid["freezes_to"] = 1  # the ambient liquid freezes to the first solid's material
     whole = {"melts_to", "freezes_to"}
-    arrays = {f"material_{k}": np.array([r[k] for r in rows], np.int32 if k in whole else float) for k in liquid}
+    arrays = {
+        f"material_{k}": np.array([r[k] for r in rows], np.int32 if k in whole else float) for k in liquid
+    }
     return arrays, names, row_of
 
 
@@ -57,7 +67,7 @@ def _same(first, solid):
         a, b = getattr(first, key), getattr(solid, key)
         if a != b:
             raise SceneError(
-                f"solids {first.name!r} and {solid.name!r} share the material {solid.material!r} but not its {key} "
+                f"solids {first.name!r} and {solid.name!r} share the material {solid.material!r} but not {key} "
                 f"({a} and {b}): give them different materials or one value"
             )
 
@@ -65,7 +75,9 @@ def _same(first, solid):
 def heater_table(heat):
     """Return the arrays ``heater_*`` of a `melt.scene.model.Heat` section (or None: no heaters)."""
     heaters = heat.heater if heat else []
-    half = [[0.5 * s for s in h.size] if h.shape == "box" else [h.radius, h.radius, h.radius] for h in heaters]
+    half = [
+        [0.5 * s for s in h.size] if h.shape == "box" else [h.radius, h.radius, h.radius] for h in heaters
+    ]
     return {
         "heater_shape": np.array([("box", "sphere").index(h.shape) for h in heaters], np.int32),
         "heater_centre": np.array([h.position for h in heaters], float).reshape(-1, 3).T.copy(),

@@ -17,11 +17,17 @@ COUNT_TOLERANCE = 0.02  # of a wanted particle count (melting spec, scene F6)
 
 def find_mesh(name):
     """Return the path of a mesh: a file, or a shipped one by its name."""
-    for path in (pathlib.Path(name), data_folder() / "meshes" / name, data_folder() / "meshes" / f"{name}.ply"):
+    for path in (
+        pathlib.Path(name),
+        data_folder() / "meshes" / name,
+        data_folder() / "meshes" / f"{name}.ply",
+    ):
         if path.is_file():
             return path
     shipped = ", ".join(sorted(p.stem for p in (data_folder() / "meshes").glob("*.ply")))
-    raise GeometryError(f"mesh file {name!r} does not exist: give a path (relative to the scene file) or one of {shipped}")
+    raise GeometryError(
+        f"mesh file {name!r} does not exist: give a path (relative to the scene file) or one of {shipped}"
+    )
 
 
 def read_mesh(name, repair=False):
@@ -36,7 +42,9 @@ def read_mesh(name, repair=False):
     try:
         mesh = trimesh.load(path, force="mesh", process=True)
     except Exception as error:  # trimesh raises many kinds, all mean that the file is no mesh
-        raise GeometryError(f"mesh {path.name}: cannot be read ({error}); PLY, OBJ, STL and glTF work") from None
+        raise GeometryError(
+            f"mesh {path.name}: cannot be read ({error}); PLY, OBJ, STL and glTF work"
+        ) from None
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
         raise GeometryError(f"mesh {path.name}: it has no triangles; PLY, OBJ, STL and glTF with faces work")
     if not np.isfinite(mesh.vertices).all():
@@ -47,8 +55,12 @@ def read_mesh(name, repair=False):
     if not mesh.is_watertight:
         edges = np.sort(mesh.edges, axis=1)
         open_edges = int((np.unique(edges, axis=0, return_counts=True)[1] != 2).sum())
-        advice = "repair it in a mesh editor" if repair else "set repair = true, or repair it in a mesh editor"
-        raise GeometryError(f"mesh {path.name}: not watertight ({open_edges} edges without exactly two faces): {advice}")
+        advice = (
+            "repair it in a mesh editor" if repair else "set repair = true, or repair it in a mesh editor"
+        )
+        raise GeometryError(
+            f"mesh {path.name}: not watertight ({open_edges} edges without exactly two faces): {advice}"
+        )
     low, high = mesh.bounds
     if (high - low).min() <= 0:
         raise GeometryError(f"mesh {path.name}: it is flat, a body needs a volume")
@@ -141,5 +153,7 @@ def voxelise_to_count(vertices, triangles, place, wanted):
             break
     found = best[0].shape[1]
     if abs(found - wanted) > COUNT_TOLERANCE * wanted:
-        raise GeometryError(f"no scale gives {wanted} particles, the nearest gives {found}: ask for that number, or give scale")
+        raise GeometryError(
+            f"no scale gives {wanted} particles, the nearest gives {found}: ask for that, or give scale"
+        )
     return best

@@ -31,7 +31,9 @@ def nozzle_table(scene):
         nozzles.append(Nozzle(inflow.name, inflow.start, dx / inflow.speed, inflow.layers, count, first))
         positions.append(points)
         velocities.append(np.repeat(inflow.speed * axis[:, None], count, axis=1))
-        temperatures.append(np.full(count, scene.fluid.temperature if inflow.temperature is None else inflow.temperature))
+        temperatures.append(
+            np.full(count, scene.fluid.temperature if inflow.temperature is None else inflow.temperature)
+        )
         first += count
     arrays = {
         "inflow_position": np.hstack(positions) if positions else np.zeros((3, 0)),

@@ -24,9 +24,13 @@ def sample(placed, domain, name, notes):
     else:
         cells = _round(placed, lower, dx)
     if cells.shape[1] == 0:
-        raise GeometryError(f"{name}: no lattice point at spacing {dx:g} m lies inside: make it larger or lower domain.spacing")
+        raise GeometryError(
+            f"{name}: no lattice point at spacing {dx:g} m is inside: enlarge it or lower domain.spacing"
+        )
     if np.abs(cells).max() >= _OFFSET:
-        raise GeometryError(f"{name}: it is more than {_OFFSET} spacings away from domain.lower: move it or raise domain.spacing")
+        raise GeometryError(
+            f"{name}: more than {_OFFSET} spacings away from domain.lower: move it or raise domain.spacing"
+        )
     return cells[:, np.lexsort((cells[0], cells[1], cells[2]))]
 
 
@@ -87,7 +91,9 @@ def _mesh(placed, lower, dx, name, notes):
     if placed.particles is None:
         return mesh.voxelise(place(vertices * ((placed.scale or 1.0) / dx)), triangles)
     cells, scale = mesh.voxelise_to_count(vertices, triangles, place, placed.particles)
-    notes.append(f"{name}: scale {scale * dx:.6g} gives {cells.shape[1]} particles ({placed.particles} wanted)")
+    notes.append(
+        f"{name}: scale {scale * dx:.6g} gives {cells.shape[1]} particles ({placed.particles} wanted)"
+    )
     return cells
 
 

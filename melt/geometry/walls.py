@@ -6,7 +6,7 @@ from melt.scene.model import SIDES
 
 
 def wall_cells(domain):
-    """Return the cells (3, n) of the walls: ``layers`` outside of each walled side, edges and corners filled."""
+    """Return the cells (3, n) of the walls: layers outside of each walled side, edges and corners filled."""
     layers, sides = domain.walls.layers, domain.walls.sides
     cells = np.array(domain.cells)
     index = np.indices(cells + 2 * layers).reshape(3, -1) - layers

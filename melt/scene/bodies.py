@@ -43,7 +43,7 @@ _OPTIONAL = {
 
 
 class Placed(Section):
-    """A shape at a place. It is sampled on the lattice of the domain: centres at lower + (i + 1/2) spacing."""
+    """A shape at a place, sampled on the lattice of the domain: centres at lower + (i + 1/2) spacing."""
 
     shape: Literal["box", "sphere", "cylinder", "mesh"] = "box"
     position: Vector | None = None
@@ -74,14 +74,17 @@ class Placed(Section):
 
     @model_validator(mode="after")
     def _complete(self):
-        given = {k for k in set().union(*_OPTIONAL.values(), *(s for n in _NEEDS.values() for s in n)) if getattr(self, k) is not None}
+        keys = set().union(*_OPTIONAL.values(), *(need for needs in _NEEDS.values() for need in needs))
+        given = {key for key in keys if getattr(self, key) is not None}
         options = _NEEDS[self.shape]
         fitting = [need for need in options if need <= given]
         if not fitting:
-            raise ValueError(f"a {self.shape} needs " + ", or ".join(" and ".join(sorted(need)) for need in options))
+            needed = ", or ".join(" and ".join(sorted(need)) for need in options)
+            raise ValueError(f"a {self.shape} needs {needed}")
         foreign = given - fitting[0] - _OPTIONAL[self.shape]
         if foreign:
-            raise ValueError(f"{', '.join(sorted(foreign))}: not for a {self.shape} given by {' and '.join(sorted(fitting[0]))}")
+            by = " and ".join(sorted(fitting[0]))
+            raise ValueError(f"{', '.join(sorted(foreign))}: not for a {self.shape} given by {by}")
         if self.lower is not None:
             if self.position is not None:
                 raise ValueError("position: give either position and size, or lower and upper")
@@ -211,8 +214,9 @@ class Heater(Section):
 
     @model_validator(mode="after")
     def _complete(self):
-        if (self.size is None) == (self.shape == "box") or (self.radius is None) == (self.shape == "sphere"):
-            raise ValueError("a box heater needs size (and no radius), a sphere heater needs radius (and no size)")
+        box = self.shape == "box"
+        if (self.size is None) == box or (self.radius is None) != box:
+            raise ValueError("a box heater needs size (and no radius), a sphere heater radius (and no size)")
         if (self.rate is None) == (self.temperature is None):
             raise ValueError("a heater needs either rate or temperature")
         return self

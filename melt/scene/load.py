@@ -40,7 +40,9 @@ def find_scene(name):
     if str(name) in shipped:
         return shipped[str(name)]
     if path.suffix == ".toml" and path.name != str(name):
-        raise SceneError(f"scene file {str(name)!r} does not exist: check the path, or name a shipped scene (melt scenes)")
+        raise SceneError(
+            f"scene file {str(name)!r} does not exist: check the path; melt scenes lists shipped ones"
+        )
     close = difflib.get_close_matches(path.stem, shipped, 3, 0.5)
     hint = f"did you mean {', '.join(close)}?" if close else f"shipped scenes: {', '.join(shipped)}"
     raise SceneError(f"unknown scene {str(name)!r}; {hint} (a scene of your own is a path to a .toml file)")
@@ -59,15 +61,16 @@ def load_scene(name, overrides=(), preset=None):
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise SceneError(f"scene {path}: cannot be read ({error}); a scene is a TOML text file") from None
-    return scene_from_toml(text, title=f"scene {path.stem}", overrides=overrides, preset=preset, folder=path.parent)
+    return scene_from_toml(text, f"scene {path.stem}", overrides, preset, path.parent)
 
 
 def scene_from_toml(text, title="scene", overrides=(), preset=None, folder=None):
-    """Return the validated `Scene` of a TOML text, as `load_scene`; mesh files are looked up in ``folder``."""
+    """Return the validated `Scene` of a TOML text, as `load_scene`; mesh files may stand in ``folder``."""
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{title}: not valid TOML: {error}; text needs quotes, tables need [brackets]") from None
+        advice = "text needs quotes, tables need [brackets]"
+        raise SceneError(f"{title}: not valid TOML: {error}; {advice}") from None
     return scene_from_dict(data, title, overrides, preset, folder)
 
 
@@ -79,7 +82,8 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
     known = {**PRESETS, **own}
     if chosen not in known:
         close = difflib.get_close_matches(str(chosen), known, 1)
-        raise SceneError(f"{title}: unknown preset {chosen!r}; {f'did you mean {close[0]}? ' if close else ''}known: {', '.join(known)}")
+        hint = f"did you mean {close[0]}? " if close else ""
+        raise SceneError(f"{title}: unknown preset {chosen!r}; {hint}known: {', '.join(known)}")
     data["preset"] = chosen
     for key, value in own.get(chosen, {}).items():
         _assign(data, key, value)
@@ -127,7 +131,8 @@ def _step(target, part, key):
             return target
         if part.isdigit() and int(part) < len(target):
             return [target[int(part)]]
-        raise SceneError(f"override {key}: {part!r} is not one of its {len(target)} items; count from 0, or * for all")
+        advice = "count from 0, or * for all"
+        raise SceneError(f"override {key}: {part!r} is not one of its {len(target)} items; {advice}")
     if not isinstance(target, dict):
         raise SceneError(f"override {key}: {part!r} is not a table")
     return [target.setdefault(part, {})]

@@ -65,7 +65,8 @@ def _allowed(item):
     plain = {
         "int_type": "a whole number", "int_parsing": "a whole number", "int_from_float": "a whole number",
         "bool_type": "true or false", "bool_parsing": "true or false", "string_type": "text",
-        "list_type": "a list", "model_type": "a table", "dict_type": "a table", "model_attributes_type": "a table",
+        "list_type": "a list", "model_type": "a table", "dict_type": "a table",
+        "model_attributes_type": "a table",
     }
     return plain.get(kind, item["msg"])
 

@@ -15,7 +15,6 @@ from melt.scene.quantities import (
     PositiveLength,
     PositiveTime,
     Section,
-    Share,
     SpecificHeat,
     Temperature,
     TemperatureDifference,
@@ -114,9 +113,9 @@ class Heat(Section):
     """Heat exchange, melting and freezing."""
 
     law: Literal["paper", "physical"] = "paper"
-    """"paper": diffusivity K_i + K_j, equal heat capacities; "physical": conductivity and heat capacity."""
+    """"paper": diffusivity K_i + K_j, equal heat capacities; "physical": conductivity, heat capacity."""
     conductivity: Conductivity | None = None
-    """Of the liquid: 0.56 W/(m K) unless given; with law = paper, K in units of the figures, 10 unless given."""
+    """Of the liquid: 0.56 W/(m K) unless given; with law = paper, K as in the figures, 10 unless given."""
     conductivity_scale: NonNegative | None = None
     """Factor on all conductivities: 0.01 with law = paper (figures give percent), else 1, unless given."""
     specific_heat: SpecificHeat = 4187.0
@@ -192,9 +191,11 @@ class Scene(Section):
     def _together(self):
         paper = self.heat is not None and self.heat.law == "paper"
         if self.solver.melt_to == "own" and self.solver.density_form == "number":
-            raise ValueError("solver.melt_to = 'own' makes unequal volumes: set solver.density_form = 'volume'")
+            raise ValueError("solver.melt_to = own makes unequal volumes: set solver.density_form = volume")
         if self.fluid.sound_speed == "legal" and self.time.n_sub == "auto":
-            raise ValueError("fluid.sound_speed = 'legal' derives the sound speed from the sub-step: set time.n_sub to a number")
+            raise ValueError(
+                "fluid.sound_speed = legal follows from the sub-step: set time.n_sub to a number"
+            )
         if not self.solver.motion and self.heat is None:
             raise ValueError("solver.motion = false leaves nothing to do: add a [heat] section")
         for k, solid in enumerate(self.solid):
@@ -211,7 +212,9 @@ class Scene(Section):
         for kind in (self.solid, self.inflow):
             names = [item.name for item in kind]
             if twice := [n for n in names if names.count(n) > 1]:
-                raise ValueError(f"the name {twice[0]!r} is given twice: names of solids and of inflows are unique")
+                raise ValueError(
+                    f"the name {twice[0]!r} is given twice: names of solids and of inflows are unique"
+                )
         return self
 
     @property

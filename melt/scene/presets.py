@@ -1,6 +1,6 @@
 """Presets: values of keys that a scene does not give. Melting spec, section 2."""
 
-#: "default" is the model's own defaults. Sections that a scene lacks are not added (except solver, fluid, time).
+#: "default" is the model's own defaults. A preset adds no heat to a scene without it.
 PRESETS = {
     "default": {},
     # As literal as the printed equations allow: no mirrored pressure, full-step pair sweeps with m/rho

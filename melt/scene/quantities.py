@@ -17,8 +17,8 @@ class Section(BaseModel):
 def quantity(name, *, above=None, at_least=None, at_most=None, infinite=False, paper=None):
     """Return the type of a scalar of kind ``name`` (`melt.units.QUANTITIES`) within bounds.
 
-    ``paper`` names another kind that holds when ``heat.law`` is "paper" (conductivity is then the plain number
-    of the figures, which ``heat.conductivity_scale`` turns into m^2/s).
+    ``paper`` names another kind that holds when ``heat.law`` is "paper" (conductivity is then the plain
+    number of the figures, which ``heat.conductivity_scale`` turns into m^2/s).
     """
 
     def read(value, info):
@@ -31,7 +31,9 @@ def quantity(name, *, above=None, at_least=None, at_most=None, infinite=False, p
             raise ValueError(f"{value} is not {'a number' if infinite else 'finite'}")
         return value
 
-    unit = units.QUANTITIES[name].unit + (f" ({units.QUANTITIES[paper].unit} with heat.law = paper)" if paper else "")
+    unit = units.QUANTITIES[name].unit
+    if paper:
+        unit += f" ({units.QUANTITIES[paper].unit} with heat.law = paper)"
     limits = {"exclusiveMinimum": above, "minimum": at_least, "maximum": at_most}
     schema = {
         "anyOf": [
@@ -41,7 +43,11 @@ def quantity(name, *, above=None, at_least=None, at_most=None, infinite=False, p
         "unit": unit,
     }
     return Annotated[
-        float, Field(gt=above, ge=at_least, le=at_most), AfterValidator(check), BeforeValidator(read), WithJsonSchema(schema),
+        float,
+        Field(gt=above, ge=at_least, le=at_most),
+        AfterValidator(check),
+        BeforeValidator(read),
+        WithJsonSchema(schema),
     ]
 
 
