@@ -131,7 +131,7 @@ def heat_of(scene, real):
         P.Heat, real, law=P.HEAT_PAPER if h.law == "paper" else P.HEAT_PHYSICAL, current_volume=int(h.volume == "current"),
         full_sweep=int(h.sweep_dt == "full"), latent=int(h.latent), ambient_transfer=h.ambient_transfer,
         ambient_temperature=0.0 if h.ambient_temperature is None else h.ambient_temperature,
-        full_neighbours=float(lattice_offsets(scene.solver.support).size), spacing=scene.spacing,
+        full_neighbours=float(lattice_offsets(scene.solver.support).size), spacing=scene.spacing, ambient_area=8 / 3,
         wall_fixed=int(h.wall_temperature is not None),
     )
 

@@ -1,7 +1,7 @@
 """Scene -> what runs: stages in order, fields, memory, sub-steps. Recorded from the step page.
 
-`prepare` gives all that a run needs beside the initial arrays; `plan` adds the forecast and the
-preflight findings that ``melt plan`` prints.
+`prepare` gives all that a run needs beside the initial arrays; `melt.preflight` adds the forecast and
+the findings that ``melt plan`` prints.
 """
 
 import math
@@ -19,6 +19,10 @@ from melt.systems import melting
 
 #: Fields every run holds, whatever its stages use: they are written to the run file.
 ALWAYS = ("id", "phase", "material", "position", "velocity", "mass", "rest_volume")
+#: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
+ONLY_IF = {
+    "latent": ("latent_energy", "latent_capacity", "latent_point", "heat_capacity_molten"),
+}
 
 
 @dataclass
@@ -95,11 +99,11 @@ def settings_of(scene, initial, sound_speed, precision):
         gravity=math.sqrt(sum(c * c for c in scene.domain.gravity)), lightest_solid=float(density.min()) / f.density,
     )
     if heat is not None:
-        wide = precision == "double"
+        fo = fourier_number(scene, initial)
         chosen.heat_solver = heat.solver
-        chosen.heat_substeps = heat.substeps
-        chosen.fourier_number = fourier_number(scene, initial)
-        chosen.heat_tolerance = heat.tolerance or (1e-8 if wide else 1e-5)
+        chosen.fourier_number = fo
+        chosen.heat_substeps = max(1, math.ceil(fo / 0.5)) if heat.substeps == "auto" else heat.substeps
+        chosen.heat_rtol = heat.tolerance or (1e-8 if precision == "double" else 1e-5)
         chosen.heat_iterations = heat.max_iterations
     return chosen
 
@@ -134,7 +138,8 @@ def prepare(scene, initial, precision=None):
     do.clock.layers = dict.fromkeys((nozzle.name for nozzle in initial.nozzles), 0)
     melting.start(do)
     page(do, scene.time.dt)
-    names = [*ALWAYS, *(f for f in do.fields if f not in ALWAYS)]
+    absent = {f for what, fields in ONLY_IF.items() if not getattr(need, what) for f in fields}
+    names = {*ALWAYS, *do.fields} - absent
     sizes = sizes_of(scene, initial, params, precision)
     return Prepared(
         page, need, settings, params, sizes, precision, do.stages, [n for n in FIELDS if n in names],

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from melt.errors import MeltError
-from melt.systems.heat import heat
+from melt.systems.heat import heat, start_heat
 from melt.systems.topology import build_lattice, freeze, melt_and_relink
 
 

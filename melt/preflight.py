@@ -1,0 +1,206 @@
+"""What can be known before a run: findings with their fixes, limits of the time step, forecast."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from melt.constants import lattice_density, lattice_offsets
+from melt.geometry.build import build
+from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
+from melt.plan import prepare
+from melt.stages import STAGES
+from melt.systems.melting import step_limits
+
+#: Wall time per particle and sub-step on the development machine [s] (docs/results.md), single and double.
+SECONDS_PER_PARTICLE = {"single": 0.25e-6, "mixed": 0.35e-6, "double": 0.45e-6}
+
+
+class Finding(NamedTuple):
+    """Something to know before a run, and what to do about it."""
+
+    level: str  # "note" or "warning"
+    text: str
+    fix: str = ""
+
+    def __str__(self):
+        return f"{self.level}: {self.text}" + (f". Fix: {self.fix}" if self.fix else "")
+
+
+class Plan(NamedTuple):
+    """A scene's plan: what `prepare` recorded, and what was found."""
+
+    scene: object
+    initial: object
+    prepared: object
+    findings: list
+    limits: dict  # bound -> seconds
+
+    def lines(self):
+        """Return the plan as lines of text."""
+        return [*_head(self), "", *_stages(self), "", *_fields(self), "", *_forecast(self), "", *map(str, self.findings)]
+
+
+def plan(scene, precision=None, initial=None):
+    """Return the `Plan` of a scene; nothing is compiled or run."""
+    initial = initial or build(scene)
+    prepared = prepare(scene, initial, precision)
+    return Plan(scene, initial, prepared, findings(scene, initial, prepared), limits(prepared))
+
+
+def limits(prepared):
+    """Return {bound: seconds} of the mechanical sub-step at the start."""
+
+    class Start:  # a binder at t = 0, as far as `step_limits` looks
+        settings = prepared.settings
+
+        class clock:
+            max_speed = max_acceleration = 0.0
+
+    return step_limits(Start)
+
+
+def findings(scene, initial, prepared):
+    """Return the `Finding` list of a scene."""
+    found = [Finding("note", note) for note in initial.notes]
+    found += [Finding("warning", text) for text in prepared.warnings]
+    for check in (_overlap, _walls, _density, _resolution, _sub_steps, _heat):
+        found += check(scene, initial, prepared)
+    return found
+
+
+def _overlap(scene, initial, prepared):
+    x = initial["position"][:, initial["phase"] != INACTIVE].T
+    if len(x) < 2:
+        return []
+    close = cKDTree(x).query_pairs(0.9 * scene.spacing * (1 - 1e-6), output_type="ndarray")
+    if not len(close):
+        return []
+    at = np.array2string(x[close[0, 0]], precision=3)
+    return [Finding(
+        "warning", f"{len(close)} pairs of particles are closer than 0.9 spacings, the first at {at} m: they are thrown apart",
+        "move the bodies by whole spacings",
+    )]
+
+
+def _walls(scene, initial, prepared):
+    thick = scene.domain.walls.layers * scene.spacing
+    if not (initial["phase"] == WALL).any() or thick >= scene.support * (1 - 1e-9):
+        return []
+    need = math.ceil(scene.support / scene.spacing - 1e-9)
+    return [Finding(
+        "warning", f"walls are {thick:g} m thick, thinner than the support of {scene.support:g} m: liquid near them is too light",
+        f"domain.walls.layers = {need}",
+    )]
+
+
+def _density(scene, initial, prepared):
+    """Compression of the liquid as it is placed, from up to 2000 particles."""
+    from melt.reference._pairs import W
+
+    liquid = np.flatnonzero(initial["phase"] == LIQUID)
+    if not liquid.size:
+        return []
+    active = initial["phase"] != INACTIVE
+    x = initial["position"][:, active].T
+    solid = (initial["phase"] == SOLID)[active]
+    weight = np.where(solid, scene.solver.solid_scale, 1.0) * initial["rest_volume"][active]
+    some = initial["position"].T[liquid[:: max(1, liquid.size // 2000)]]
+    near = cKDTree(some).sparse_distance_matrix(cKDTree(x), scene.support, output_type="coo_matrix")
+    smoothing, fluid = prepared.params["smoothing"], prepared.params["fluid"]
+    ratio = np.bincount(near.row, weight[near.col] * W(near.data, smoothing), minlength=len(some)) * float(fluid.density_factor)
+    worst = float(ratio.max()) - 1
+    text = f"density of the liquid as placed: at most {worst:+.2%} from its rest density, {ratio.max():.4f} of it"
+    if worst > max(0.01, 2 * scene.fluid.compression):
+        return [Finding("warning", text, "solver.calibrate_mass = true, or liquid regions that do not overlap")]
+    return [Finding("note", text)]
+
+
+def _resolution(scene, initial, prepared):
+    if prepared.precision != "single":
+        return []
+    far = float(np.abs(initial["position"]).max(initial=0.0))
+    step = np.spacing(np.float32(far)) / scene.spacing
+    if step < 2e-6:
+        return []
+    return [Finding(
+        "warning", f"float32 positions at {far:.3g} m are {step:.1e} spacings apart: pressures become noisy beyond 1e-5",
+        "solver.precision = 'mixed', or coordinates near the origin",
+    )]
+
+
+def _sub_steps(scene, initial, prepared):
+    if not scene.solver.motion:
+        return []
+    bounds = limits(prepared)
+    governing = min(bounds, key=bounds.get)
+    s, dt = prepared.settings, scene.time.dt
+    if s.n_sub is not None and dt / s.n_sub > 1.0001 * bounds[governing]:
+        return [Finding(
+            "warning", f"time.n_sub = {s.n_sub} makes sub-steps of {dt / s.n_sub:.3g} s, the bound '{governing}' allows {bounds[governing]:.3g} s",
+            f"time.n_sub = {math.ceil(dt / bounds[governing])}, or 'auto'",
+        )]
+    return []
+
+
+def _heat(scene, initial, prepared):
+    if scene.heat is None:
+        return []
+    from melt.systems.heat import chosen_solver
+
+    fo = prepared.settings.fourier_number
+    limit = scene.support**2 / 14.2 / max(fo * scene.spacing**2 / scene.time.dt, 1e-300)
+    solver = chosen_solver(prepared.settings)
+    found = [Finding("note", f"heat: Fourier number {fo:.3g}, solver {solver}, explicit limit {limit:.3g} s")]
+    if fo > 0.5 and solver.startswith("pairs"):
+        found.append(Finding(
+            "warning", f"pair sweeps at a Fourier number of {fo:.3g} depend on the order of pairs", "heat.solver = 'cg' or 'auto'"))
+    return found
+
+
+def _head(p):
+    scene, counts = p.scene, p.initial.counts
+    s = p.prepared.settings
+    yield f"scene {scene.scene.name}: {scene.scene.description}"
+    if scene.scene.figure:
+        yield f"stands for: {scene.scene.figure}"
+    yield "particles: " + ", ".join(f"{n:,} {name}" for name, n in counts.items() if n)
+    yield (
+        f"spacing {scene.spacing:g} m, support {scene.support:g} m ({lattice_offsets(scene.solver.support).size} neighbours "
+        f"inside, lattice density {lattice_density(scene):.4f}), precision {p.prepared.precision}"
+    )
+    yield f"requires: {', '.join(k for k, v in vars(p.prepared.need).items() if v) or 'liquid only'}"
+    if scene.solver.motion:
+        yield f"sound speed {s.sound_speed:.4g} m/s; outer step {scene.time.dt:g} s to t = {scene.time.end:g} s"
+
+
+def _stages(p):
+    yield f"stages ({len(p.prepared.stages)}), in order of first call"
+    for name in p.prepared.stages:
+        yield f"  {name:<22}{STAGES[name].equation}"
+
+
+def _fields(p):
+    from melt.fields import FIELDS
+
+    total = p.prepared.nbytes
+    yield f"fields ({len(p.prepared.fields)}), {total / 1e6:.1f} MB, {total / max(1, p.initial['id'].size):.0f} bytes per particle"
+    for name in p.prepared.fields:
+        field = FIELDS[name]
+        yield f"  {name:<22}{' x '.join(field.shape):<22}{field.unit:<12}{p.prepared.bytes(name) / 1e6:>9.3f} MB"
+
+
+def _forecast(p):
+    scene, n = p.scene, p.initial["id"].size
+    sub = 1
+    if scene.solver.motion:
+        governing = min(p.limits, key=p.limits.get)
+        sub = p.prepared.settings.n_sub or max(1, math.ceil(scene.time.dt / p.limits[governing]))
+        for name, seconds in sorted(p.limits.items(), key=lambda item: item[1]):
+            yield f"time step bound {name:<12}{seconds:.4g} s{'   <- governs' if name == governing else ''}"
+        yield f"sub-steps per outer step at the start: {sub}"
+    seconds = n * sub * scene.time.steps * SECONDS_PER_PARTICLE[p.prepared.precision]
+    frame = sum(8 if f == "id" else 4 * (3 if f in ("position", "velocity") else 1) for f in ("id", "position", "velocity", "pressure"))
+    files = (scene.time.steps // scene.time.output_steps + 1) * n * frame
+    yield f"forecast on 2 cores: {seconds:,.0f} s for {scene.time.steps:,} steps, {files / 1e6:,.0f} MB of output at most"
