@@ -69,11 +69,17 @@ def bench(
 
 
 @app.command("tradeoff")
-def tradeoff(scene: SceneName, out: Out = None):
+def tradeoff(
+    scene: SceneName,
+    steps: Annotated[int | None, typer.Option("--steps", min=1, help="Outer steps of each run.")] = None,
+    out: Out = None,
+):
     """Measure the speed-for-error front of a scene: one knob at a time, error beside time."""
     from melt import tradeoff as study
+    from melt.scene import find_scene
 
-    study.run(scene, out)
+    find_scene(scene)
+    study.run(scene, out, steps, say=typer.echo)
 
 
 @app.command("reproduce")

@@ -67,7 +67,7 @@ def _same(first, solid):
         a, b = getattr(first, key), getattr(solid, key)
         if a != b:
             raise SceneError(
-                f"solids {first.name!r} and {solid.name!r} share the material {solid.material!r} but not {key} "
+                f"solids {first.name!r} and {solid.name!r} share the material {solid.material!r}, not {key} "
                 f"({a} and {b}): give them different materials or one value"
             )
 
