@@ -4,7 +4,7 @@ import numpy as np
 
 from melt._compile import cpu_helper, cpu_serial, cpu_stage, prange
 from melt.physics.phases import INACTIVE, LIQUID, SOLID
-from melt.physics.search import left_size, precedes, segment_of, squared_distance
+from melt.physics.search import left_size, precedes, squared_distance
 
 #: Levels built one after another, their subtrees in parallel; below, each of the 64 subtrees on its own.
 TOP = 6

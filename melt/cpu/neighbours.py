@@ -19,13 +19,13 @@ from melt.physics.search import squared_distance
 
 
 @cpu_serial
-def append_packed(x, y, z, stop, x_i, y_i, z_i, h2, hit, found):
-    """Do what `append_portable` does, by AVX-512."""
+def _append_packed(x, y, z, stop, x_i, y_i, z_i, h2, hit, found):
+    """Do what `_append_portable` does, by AVX-512."""
     return append_near(x, y, z, stop, x_i, y_i, z_i, h2, found)
 
 
 @cpu_serial
-def append_portable(x, y, z, stop, x_i, y_i, z_i, h2, hit, found):
+def _append_portable(x, y, z, stop, x_i, y_i, z_i, h2, hit, found):
     """Write the slots below stop that are closer than h to ``found``, return their number.
 
     A loop that the compiler vectorises marks the hits, another one appends without a branch.
@@ -41,7 +41,7 @@ def append_portable(x, y, z, stop, x_i, y_i, z_i, h2, hit, found):
     return np.int64(count)
 
 
-append = append_packed if AVAILABLE else append_portable
+_append = _append_packed if AVAILABLE else _append_portable
 
 
 @cpu_helper
@@ -91,6 +91,16 @@ def _copy_rows(position, row, rows, first, x, y, z, number):
     return padded, shift
 
 
+@cpu_helper
+def _buffers(size, position):
+    """Return scratch for ``size`` candidates: coordinates, particle numbers, hits, hit or not."""
+    wide = position.dtype
+    return (
+        np.empty(size, wide), np.empty(size, wide), np.empty(size, wide), np.empty(size, np.int32),
+        np.empty(size + LANES, np.int32), np.empty(size, np.uint8),
+    )
+
+
 @cpu_serial
 def _search(
     position, phase, cell_start, grid, smoothing, neighbour_count, neighbour_index, first_cell, stop_cell
@@ -99,8 +109,7 @@ def _search(
     capacity = neighbour_index.shape[1]
     row = np.empty((9, 2), np.int64)
     size = 1024
-    x, y, z = np.empty(size, position.dtype), np.empty(size, position.dtype), np.empty(size, position.dtype)
-    number, found, hit = np.empty(size, np.int32), np.empty(size + LANES, np.int32), np.empty(size, np.uint8)
+    x, y, z, number, found, hit = _buffers(size, position)
     for c in range(first_cell, stop_cell):
         first, stop = np.int64(cell_start[c]), np.int64(cell_start[c + 1])
         if not _any_mobile(phase, first, stop):
@@ -110,8 +119,7 @@ def _search(
         rows, total = _rows(cell_start, grid, c, row)
         if total + LANES > size:  # a crowded cell
             size = 2 * (total + LANES)
-            x, y, z = np.empty(size, position.dtype), np.empty(size, position.dtype), np.empty(size, position.dtype)
-            number, found, hit = np.empty(size, np.int32), np.empty(size + LANES, np.int32), np.empty(size, np.uint8)
+            x, y, z, number, found, hit = _buffers(size, position)
         padded, shift = _copy_rows(position, row, rows, first, x, y, z, number)
         for i in range(first, stop):
             if phase[i] != LIQUID and phase[i] != SOLID:
@@ -119,7 +127,7 @@ def _search(
                 continue
             x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
             x[i + shift] = np.inf  # not its own neighbour
-            count = append(x, y, z, padded, x_i, y_i, z_i, h2, hit, found)
+            count = _append(x, y, z, padded, x_i, y_i, z_i, h2, hit, found)
             x[i + shift] = x_i
             neighbour_count[i] = count
             for k in range(np.uint64(min(count, capacity))):

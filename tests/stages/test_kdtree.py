@@ -2,8 +2,18 @@
 
 import numpy as np
 import pytest
-from test_neighbours import BACKENDS, INACTIVE, PRECISIONS, SUPPORT, brute, cloud, grid_of, lists
-from test_neighbours import smoothing_of, sorted_by_cell
+from test_neighbours import (
+    BACKENDS,
+    INACTIVE,
+    PRECISIONS,
+    SUPPORT,
+    brute,
+    cloud,
+    grid_of,
+    lists,
+    smoothing_of,
+    sorted_by_cell,
+)
 
 from melt import _compile
 from melt.check.compare import run_stage
@@ -32,8 +42,7 @@ def tree_lists(backend, position, phase, tree, smoothing, capacity):
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_tree_by_hand(backend):
-    """Wald's example, (10,15), (46,63), (68,21), (40,33), (25,54), (15,43), (44,58), (45,40), (62,69), (53,67)
-    in the plane. Here the third axis is constant, so its levels are split by index."""
+    """Ten points of the plane: the third coordinate is constant, so its levels are split by index."""
     x = [10, 46, 68, 40, 25, 15, 44, 45, 62, 53]
     y = [15, 63, 21, 33, 54, 43, 58, 40, 69, 67]
     position = np.array([x, y, np.zeros(10)], dtype=np.float32)

@@ -1,5 +1,6 @@
 """Grid, sort, reordering and neighbour lists: reference, CPU and emulated CUDA."""
 
+import numba
 import numpy as np
 import pytest
 
@@ -230,17 +231,33 @@ def test_packed_append_equals_portable(precision):
     rng = np.random.default_rng(11)
     m = 40 * LANES
     direction = rng.normal(size=(3, m))
-    direction *= SUPPORT * (1 + rng.integers(-3, 4, m) * np.finfo(real).eps) / np.linalg.norm(direction, axis=0)
+    radius = SUPPORT * (1 + rng.integers(-3, 4, m) * np.finfo(real).eps)
+    direction *= radius / np.linalg.norm(direction, axis=0)
     centre = rng.random(3).astype(wide)
     x, y, z = (centre[:, None] + direction).astype(wide)
     h2 = real(SUPPORT) * real(SUPPORT)
     found = [np.full(m + LANES, -1, np.int32) for _ in range(2)]
     counts = [
         f(x, y, z, m, *centre, h2, np.empty(m, np.uint8), out)
-        for f, out in zip((cpu_neighbours.append_packed, cpu_neighbours.append_portable), found)
+        for f, out in zip((cpu_neighbours._append_packed, cpu_neighbours._append_portable), found)
     ]
     assert counts[0] == counts[1] and 0.2 * m < counts[0] < 0.8 * m
     assert np.array_equal(found[0][: counts[0]], found[1][: counts[1]])
+
+
+def test_any_number_of_threads_gives_the_same_lists():
+    """Bitwise, with more threads than pieces of work have particles, too."""
+    if not _compile.PARALLEL or numba.config.NUMBA_NUM_THREADS < 2:
+        pytest.skip("the CPU stages are compiled without threads, or there is one thread only")
+    for n in (30, 2000):
+        position, phase = cloud(n, 9, np.float32)
+        grid, smoothing = grid_of(np.float32), smoothing_of(np.float32)
+        position, phase, start = sorted_by_cell(position, phase, grid)
+        results = []
+        for threads in (1, numba.config.NUMBA_NUM_THREADS):
+            numba.set_num_threads(threads)
+            results.append(lists("cpu", position, phase, start, grid, smoothing, 64))
+        assert np.array_equal(results[0][0], results[1][0]) and np.array_equal(results[0][1], results[1][1])
 
 
 def test_portable_append_drives_the_same_lists(monkeypatch):
@@ -251,7 +268,7 @@ def test_portable_append_drives_the_same_lists(monkeypatch):
     expected = lists("cpu", position, phase, start, grid, smoothing, 128)
     search = cpu_neighbours._search.py_func
     other = type(search)(
-        search.__code__, {**search.__globals__, "append": cpu_neighbours.append_portable}, "search_portable")
+        search.__code__, {**search.__globals__, "_append": cpu_neighbours._append_portable}, "search_portable")
     count, index = np.full(500, SENTINEL, np.int32), np.full((500, 128), SENTINEL, np.int32)
     _compile.njit(error_model="numpy")(other)(
         position, phase, start, grid, smoothing, count, index, 0, start.size - 2)
