@@ -69,6 +69,8 @@ def latent_properties(
             heat_capacity_molten[i] = heat_capacity[i]
             latent_point[i] = real(math.inf)
             latent_capacity[i] = real(0)
+            if latent_energy[i] == real(math.inf):  # from latent_start
+                latent_energy[i] = real(0)
             continue
         C, C_molten = heat_capacity[i], heat_capacity[i]
         if heat.law != HEAT_PAPER:
@@ -89,8 +91,8 @@ def latent_properties(
 
 
 @cpu_stage
-def latent_start(phase, latent_capacity, latent_energy):
+def latent_start(phase, latent_energy):
     """See `melt.reference.heat.latent_start`."""
-    real = latent_capacity.dtype.type
+    real = latent_energy.dtype.type
     for i in prange(phase.shape[0]):
-        latent_energy[i] = latent_capacity[i] if phase[i] == LIQUID else real(0)
+        latent_energy[i] = real(math.inf) if phase[i] == LIQUID else real(0)

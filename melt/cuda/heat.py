@@ -82,6 +82,8 @@ def _latent_properties(
         heat_capacity_molten[i] = heat_capacity[i]
         latent_point[i] = real(math.inf)
         latent_capacity[i] = real(0)
+        if latent_energy[i] == real(math.inf):  # from latent_start
+            latent_energy[i] = real(0)
         return
     C, C_molten = heat_capacity[i], heat_capacity[i]
     if heat.law != HEAT_PAPER:
@@ -115,14 +117,14 @@ def latent_properties(
 
 
 @cuda_kernel
-def _latent_start(phase, latent_capacity, latent_energy):
+def _latent_start(phase, latent_energy):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
         return
-    real = latent_capacity.dtype.type
-    latent_energy[i] = latent_capacity[i] if phase[i] == LIQUID else real(0)
+    real = latent_energy.dtype.type
+    latent_energy[i] = real(math.inf) if phase[i] == LIQUID else real(0)
 
 
-def latent_start(phase, latent_capacity, latent_energy):
+def latent_start(phase, latent_energy):
     """See `melt.reference.heat.latent_start`."""
-    _latent_start.launch(phase.shape[0], phase, latent_capacity, latent_energy)
+    _latent_start.launch(phase.shape[0], phase, latent_energy)

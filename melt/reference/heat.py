@@ -70,6 +70,7 @@ def latent_properties(
     heat_capacity_molten[:] = C_molten
     latent_point[:] = np.where(has, point, np.inf)
     latent_capacity[:] = np.where(has, latent, 0.0)
+    latent_energy[~has & np.isinf(latent_energy)] = 0.0
     for i in np.flatnonzero(has):
         T, e, top = float(temperature[i]), float(latent_energy[i]), float(latent[i])
         e = min(max(e, 0.0), top)
@@ -80,6 +81,9 @@ def latent_properties(
         temperature[i], latent_energy[i] = T, e
 
 
-def latent_start(phase, latent_capacity, latent_energy):
-    """Write the latent energy [J] of an initial state: all of it in liquids, none in others."""
-    latent_energy[:] = np.where(phase == 0, latent_capacity, 0.0)
+def latent_start(phase, latent_energy):
+    """Write the latent energy of an initial state: inf in liquids (all that fits), 0 in others.
+
+    `latent_properties` cuts it down to the latent capacity.
+    """
+    latent_energy[:] = np.where(phase == 0, np.inf, 0.0)

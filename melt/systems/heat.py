@@ -1,0 +1,152 @@
+"""The heat step: properties, sources, one of six solvers, ambient air. Melting line 13, spec 2.5, 3.5.
+
+``do.settings``: ``heat_solver`` (see `SOLVERS`, or ``auto``), ``heat_substeps`` (a number, or
+``auto``: as many as bring the Fourier number to 0.5), ``fourier_number`` (of the whole step, see
+`fourier_number`), and of cg ``heat_tolerance``, ``heat_iterations``.
+``do.need``: ``latent``, ``heaters``, ``ambient``.
+"""
+
+import math
+
+import numpy as np
+
+#: Above this Fourier number coloured pairs lose to backward Euler (spec 2.5, measured).
+PAIRS_UP_TO = 0.5
+OUTER_LIMIT = 8  # renewals of the states below, on and above the plateau
+HALVINGS = 4
+
+
+def fourier_number(law, dt, spacing, conductivity, density=1.0, specific_heat=1.0):
+    """Return Fo = alpha dt / dx^2 of a material: alpha = 2 K (paper) or k / (rho c)."""
+    alpha = 2 * conductivity if law == 0 else conductivity / (density * specific_heat)
+    return alpha * dt / spacing**2
+
+
+def start_heat(do):
+    """Derive thermal properties, and the latent energy of the initial state."""
+    do.thermal_properties()
+    if do.need.latent:
+        do.latent_start()
+        do.latent_properties()
+
+
+def heat(do, dt):
+    """Advance temperature (and latent energy) by dt [s], t^n to t^(n+1)."""
+    do.thermal_properties()
+    if do.need.latent:
+        do.latent_properties()
+    if do.need.heaters:
+        do.heat_source(dt=dt)
+    substeps = thermal_substeps(do.settings)
+    solve = SOLVERS[chosen_solver(do.settings)]
+    for _ in range(substeps):
+        solve(do, dt / substeps)
+    if do.need.ambient:
+        do.surface()
+        do.ambient_cooling(dt=dt)
+
+
+def thermal_substeps(settings):
+    """Return the number of thermal sub-steps of one step."""
+    if settings.heat_substeps == "auto":
+        return max(1, math.ceil(settings.fourier_number / PAIRS_UP_TO))
+    return settings.heat_substeps
+
+
+def chosen_solver(settings):
+    """Return the solver that ``settings`` names or, for ``auto``, the one its Fourier number asks for."""
+    if settings.heat_solver != "auto":
+        return settings.heat_solver
+    return "pairs_coloured" if settings.fourier_number / thermal_substeps(settings) <= PAIRS_UP_TO else "cg"
+
+
+def pairs_seq(do, dt):
+    """Every pair alone, forward and in reverse, in lexicographic order (serial)."""
+    do.heat_pairs_seq(dt=dt)
+
+
+def pairs_coloured(do, dt):
+    """Every pair alone, forward and in reverse, in the order of 18 colours of cells."""
+    do.heat_pairs_coloured(dt=dt)
+
+
+def onesided(do, dt):
+    """Each particle updates itself from frozen neighbours, in both orders (not conserving)."""
+    sweep = dt if do.params["heat"].full_sweep else dt / 2
+    for reverse in (0.0, 1.0):
+        do.heat_onesided(dt=sweep, reverse=reverse)
+        do.swap("temperature", "temperature_next")
+
+
+def dt_limit(do):
+    """Return the largest dt [s] at which forward Euler keeps the maximum principle."""
+    do.heat_rate()
+    rate = float(np.max(do.read("heat_rate")))
+    return 1 / rate if rate > 0 else math.inf
+
+
+def explicit(do, dt):
+    """Forward Euler in as many sub-steps as the maximum principle needs."""
+    substeps = max(1, math.ceil(dt / dt_limit(do)))
+    for _ in range(substeps):
+        do.heat_explicit(dt=dt / substeps)
+        do.swap("temperature", "temperature_next")
+    do.note("heat_iterations", substeps)
+
+
+def cg(do, dt):
+    """Backward Euler of all pairs, in halved steps where it does not converge, in the end by pairs."""
+    do.heat_conductance()
+    iterations, error, left = 0, 0.0, dt
+    for halving in range(HALVINGS + 1):
+        part = left / 2**halving
+        for _ in range(2**halving):
+            used, error, converged = backward_euler(do, part)
+            iterations += used
+            if not converged:
+                break
+            left -= part
+        if converged:
+            break
+    else:
+        do.heat_pairs_seq(dt=left)  # bounded and conserving whatever the step and the conductivities
+        do.note("heat_fallback", 1)
+    do.note("heat_iterations", iterations)
+    do.note("heat_residual", error)
+
+
+def backward_euler(do, dt):
+    """Try one implicit step; return (iterations, imbalance over the range of T, converged)."""
+    rtol, limit = do.settings.heat_tolerance, do.settings.heat_iterations
+    iterations, start, converged = 0, 0.0, False
+    do.cg_guess()  # T' = T^n, no flux
+    for _ in range(OUTER_LIMIT if do.need.latent else 1):
+        do.cg_state()
+        do.cg_start(dt=dt)
+        start = max(start, float(do.read("cg_sums")[0].sum()))  # r.z of the first guess
+        for k in range(limit):
+            if k % 4 == 0 and not float(do.read("cg_sums")[0].sum()) > rtol**2 * start:
+                break
+            do.cg_apply(dt=dt)
+            do.cg_step()
+            do.cg_turn()
+            iterations += 1
+        do.heat_balance(dt=dt)
+        imbalance, lowest, highest = do.read("heat_error")
+        error, extent = float(imbalance.max()), float(highest.max() - lowest.min())
+        converged = error <= 100 * rtol * extent
+        if converged or not math.isfinite(error):
+            break
+    if not converged:
+        do.cg_guess()  # no flux: the step is not taken
+    do.heat_finish()  # T^(n+1) in flux form
+    return iterations, error / extent if extent > 0 else error, converged
+
+
+SOLVERS = {
+    "pairs_seq": pairs_seq,
+    "pairs_coloured": pairs_coloured,
+    "onesided": onesided,
+    "explicit": explicit,
+    "cg": cg,
+}
