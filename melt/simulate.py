@@ -44,7 +44,7 @@ class Simulation:
         self.scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
         self.initial = initial or build(self.scene)
         self.prepared = plan.prepare(self.scene, self.initial, precision)
-        self.backend = backends.load(backend)
+        self.backend = backends.load(backend) if isinstance(backend, str) else backend
         p = self.prepared
         if p.need.solids:
             sites = (self.initial[n] for n in ("site_cell", "site_body", "site_particle"))
@@ -195,10 +195,10 @@ def run(
     _set_threads(threads)
     scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
     initial = build(scene)
-    chosen = backends.load(backend).name
+    chosen = backends.load(backend)
     writer = None
     if output is not None:  # before the compiler runs: a bad path must not cost a minute
-        facts = provenance(chosen, precision or scene.solver.precision, threads)
+        facts = provenance(chosen.name, precision or scene.solver.precision, threads)
         writer = RunWriter(output, scene.to_toml(), facts, overwrite=overwrite)
     try:
         say("compile", message="compiling stages (cached for the next run)")
