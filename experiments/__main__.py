@@ -1,0 +1,35 @@
+"""Run every experiment and write docs/results.md: ``python -m experiments [--quick] [NAME ...]``."""
+
+import argparse
+import pathlib
+import time
+
+from experiments import load, names
+from experiments._results import markdown, provenance_line
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", help="experiments to run (all)")
+    parser.add_argument("--quick", action="store_true", help="small versions, not for publication")
+    parser.add_argument("--out", default="results", help="folder of the HDF5 files")
+    parser.add_argument("--report-only", action="store_true", help="use the HDF5 files that are there")
+    given = parser.parse_args()
+    folder = pathlib.Path(given.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in given.names or names():
+        if given.report_only:
+            continue
+        began = time.perf_counter()
+        print(f"== {name}", flush=True)
+        load(name).run(folder / f"{name}.h5", quick=given.quick)
+        print(f"== {name}: {time.perf_counter() - began:.0f} s", flush=True)
+    sections = [(load(n), load(n).report(folder / f"{n}.h5")) for n in names() if (folder / f"{n}.h5").exists()]
+    text = markdown(sections, provenance_line())
+    target = folder / "results.md" if given.quick else pathlib.Path("docs/results.md")
+    target.write_text(text)
+    print(f"wrote {target}")
+
+
+if __name__ == "__main__":
+    main()
