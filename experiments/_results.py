@@ -6,7 +6,7 @@ from melt.output.provenance import provenance
 def provenance_line():
     """Return one line that says with what the figures were made."""
     facts = provenance("cpu", "")
-    keep = ("melt", "commit", "python", "numba", "numpy", "processor", "cpu", "machine", "threads")
+    keep = ("melt", "commit", "python", "numba", "numpy", "processor", "cores")
     return ", ".join(f"{k} {facts[k]}" for k in keep if facts.get(k))
 
 
