@@ -32,7 +32,7 @@ def pair_factor(
     h = smoothing.support
     liquid = phase_j == LIQUID
     rest_i = mass_i / volume_i
-    over_i = rest_i / density_i
+    over_i = mass_i / (volume_i * density_i)  # rho0/rho, rounded as over_j is: liquid pairs close to the bit
     # of a boundary particle the density is i's own; volume_j may be 0 there (never divided by)
     other_density = density_j if liquid else density_i
     other_mass = mass_j if liquid else rest_i * volume_j

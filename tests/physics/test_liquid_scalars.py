@@ -29,11 +29,31 @@ def calls(real):
     return {
         eos.tait: (real(1010), real(1000), f),
         coupling.pair_factor: (
-            real(0.04), real(-0.1), np.int32(SOLID), real(0.008), real(8), real(1000), real(1000),
-            real(0.008), real(8), real(1000), real(0), s, f,
+            real(0.04),
+            real(-0.1),
+            np.int32(SOLID),
+            real(0.008),
+            real(8),
+            real(1000),
+            real(1000),
+            real(0.008),
+            real(8),
+            real(1000),
+            real(0),
+            s,
+            f,
         ),
         viscosity.laminar_factor: (
-            real(0.2), np.int32(LIQUID), real(0.008), real(8), real(1000), real(0.008), real(8), real(1000), s, f,
+            real(0.2),
+            np.int32(LIQUID),
+            real(0.008),
+            real(8),
+            real(1000),
+            real(0.008),
+            real(8),
+            real(1000),
+            s,
+            f,
         ),
         contact.reduced_mass: (one, one, False),
         contact.contact_normal: (real(0.1), -one, one, c, real(1e-3)),
@@ -56,7 +76,9 @@ def test_tait():
     assert eos.tait(1000.0, 1000.0, f) == 0
     assert eos.tait(1010.0, 1000.0, f) == pytest.approx(1000 * 100 / 7 * (1.01**7 - 1), rel=1e-13)
     assert eos.tait(990.0, 1000.0, f) == 0
-    assert eos.tait(990.0, 1000.0, fluid(np.float64, clamp=0)) == pytest.approx(1e5 / 7 * (0.99**7 - 1), rel=1e-13)
+    assert eos.tait(990.0, 1000.0, fluid(np.float64, clamp=0)) == pytest.approx(
+        1e5 / 7 * (0.99**7 - 1), rel=1e-13
+    )
     assert np.isnan(eos.tait(np.nan, 1000.0, f))
 
 
@@ -72,7 +94,12 @@ def test_printed_coupling_force(mirror, force):
 def test_a_boundary_of_volume_zero_does_nothing():
     s, f = smoothing(np.float64), fluid(np.float64)
     for phase in (SOLID, WALL):
-        assert coupling.pair_factor(0.04, -1.0, np.int32(phase), 0.008, 8.0, 1010.0, 5.0, 0.0, 8.0, 9.0, 0.0, s, f) == 0
+        assert (
+            coupling.pair_factor(
+                0.04, -1.0, np.int32(phase), 0.008, 8.0, 1010.0, 5.0, 0.0, 8.0, 9.0, 0.0, s, f
+            )
+            == 0
+        )
 
 
 def test_friction_is_coulomb_but_never_reverses_sliding():
@@ -85,7 +112,9 @@ def test_friction_is_coulomb_but_never_reverses_sliding():
 def test_contact_normal():
     c = P.make(P.Contact, np.float64, **CONTACT)
     assert contact.contact_normal(0.15, 1.0, 2.0, c, 1e-2) == pytest.approx(0.25 * 2 / 1e-4 * 0.05)
-    assert contact.contact_normal(0.15, -1.0, 2.0, c, 1e-2) == pytest.approx(0.25 * 2 / 1e-4 * 0.05 + 0.1 * 2 / 1e-2)
+    assert contact.contact_normal(0.15, -1.0, 2.0, c, 1e-2) == pytest.approx(
+        0.25 * 2 / 1e-4 * 0.05 + 0.1 * 2 / 1e-2
+    )
 
 
 def test_surface_thresholds():

@@ -20,7 +20,9 @@ def make(real=np.float64, support=0.5, kernel=P.CUBIC, laplacian=P.L_VISC):
 
 def integral(f, h):
     """Volume integral of f(r) over the support; split where the cubic spline changes its polynomial."""
-    return sum(quad(lambda r: 4 * np.pi * r * r * f(r), a, b, epsabs=1e-13)[0] for a, b in ((0, h / 2), (h / 2, h)))
+    return sum(
+        quad(lambda r: 4 * np.pi * r * r * f(r), a, b, epsabs=1e-13)[0] for a, b in ((0, h / 2), (h / 2, h))
+    )
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
@@ -57,7 +59,9 @@ def test_printed_values():
 
 def lattice_radii(h, dx):
     k = int(np.ceil(h / dx))
-    r = np.array([dx * np.sqrt(a * a + b * b + c * c) for a, b, c in itertools.product(range(-k, k + 1), repeat=3)])
+    r = np.array(
+        [dx * np.sqrt(a * a + b * b + c * c) for a, b, c in itertools.product(range(-k, k + 1), repeat=3)]
+    )
     return r[(r > 0) & (r < h * (1 - 1e-12))]
 
 
@@ -71,9 +75,16 @@ def test_lattice_sums():
     assert V * sum(S.laplacian_weight(x, s) for x in r) * 0.25 == pytest.approx(14.20, abs=5e-3)
 
 
-@pytest.mark.parametrize("laplacian, ratio, factor", [
-    (P.L_VISC, 2.5, 1.021), (P.L_BROOK, 2.5, 0.982), (P.L_VISC, 2, 0.988), (P.L_VISC, 3, 0.956), (P.L_VISC, 4, 1.008),
-])
+@pytest.mark.parametrize(
+    "laplacian, ratio, factor",
+    [
+        (P.L_VISC, 2.5, 1.021),
+        (P.L_BROOK, 2.5, 0.982),
+        (P.L_VISC, 2, 0.988),
+        (P.L_VISC, 3, 0.956),
+        (P.L_VISC, 4, 1.008),
+    ],
+)
 def test_lattice_second_moment(laplacian, ratio, factor):
     s = make(support=0.2 * ratio, laplacian=laplacian)
     r = lattice_radii(0.2 * ratio, 0.2)
@@ -89,7 +100,9 @@ def test_derivative_against_finite_difference(kernel):
 
     step = 1e-5
     for r in np.linspace(0.01, 0.49, 49):
-        assert S.dW(r, s) == pytest.approx((value(r + step) - value(r - step)) / (2 * step), rel=1e-6, abs=1e-6)
+        assert S.dW(r, s) == pytest.approx(
+            (value(r + step) - value(r - step)) / (2 * step), rel=1e-6, abs=1e-6
+        )
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
@@ -109,7 +122,9 @@ def test_gradient_vanishes_at_zero_and_has_no_hole_beside_it(kernel):
     assert S.dW_over_r(near**2, s) * near == pytest.approx(_pairs.dW(near, s), rel=1e-9)
     single = make(np.float32, kernel=kernel)
     for r in (1e-7, 1e-4, 1e-2, 0.2, 0.45):  # the cubic spline's difference of squares would cancel
-        assert S.dW(np.float32(r), single) == pytest.approx(float(_pairs.dW(np.float64(np.float32(r)), s)), rel=3e-6)
+        assert S.dW(np.float32(r), single) == pytest.approx(
+            float(_pairs.dW(np.float64(np.float32(r)), s)), rel=3e-6
+        )
 
 
 @pytest.mark.parametrize("kernel", KERNELS)

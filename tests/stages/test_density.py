@@ -34,7 +34,9 @@ def test_one_particle_has_its_own_term_only(backend, precision):
 @both
 def test_pair_with_a_solid_and_a_wall(backend, precision):
     x = [[0, 0, 0], [0.2, 0, 0], [0, 0.2, 0], [0, 0, 0.2], [0, 0, -0.5]]
-    a = particles(x, [0, 1, 2, 5, 0], precision, volume=[0.008, 0.77 * 0.008, 0.008, 0.0, 0.008], rest_volume=[0.01] * 5)
+    a = particles(
+        x, [0, 1, 2, 5, 0], precision, volume=[0.008, 0.77 * 0.008, 0.008, 0.0, 0.008], rest_volume=[0.01] * 5
+    )
     rho = run("density", backend, a)["density"]
     # number-density form: m_i (sum_j W + sum_k phi_k W), eq (1); r = h and inactive do not count
     assert rho[0] == pytest.approx(8 * (W0 + 0.77 * W1 + W1), rel=tolerance(precision))

@@ -7,7 +7,9 @@ from liquid_cases import both, everywhere, particles, run
 
 def close(p, expected, precision, stiffness):
     """Within a few roundings of the density ratio, which the stiffness B times 7 amplifies."""
-    return p == pytest.approx(expected, rel=1e-12, abs=7 * stiffness * (4e-7 if precision == "single" else 1e-15))
+    return p == pytest.approx(
+        expected, rel=1e-12, abs=7 * stiffness * (4e-7 if precision == "single" else 1e-15)
+    )
 
 
 @everywhere
@@ -26,7 +28,9 @@ def test_by_hand(backend, precision):
 @everywhere
 @both
 def test_rest_density_is_the_particle_s_own(backend, precision):
-    a = particles(np.zeros((2, 3)), 0, precision, mass=[8.0, 4.0], volume=[0.008, 0.005], density=[1000.0, 808.0])
+    a = particles(
+        np.zeros((2, 3)), 0, precision, mass=[8.0, 4.0], volume=[0.008, 0.005], density=[1000.0, 808.0]
+    )
     p = run("tait_pressure", backend, a, sound_speed=20)["pressure"]
     B = 800 * 400 / 7
     assert close(p, [0, B * (1.01**7 - 1)], precision, B)

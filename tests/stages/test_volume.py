@@ -31,7 +31,10 @@ def test_liquid_volume_by_phase(backend, precision):
 @everywhere
 @both
 def test_rest_sum_of_two_sites(backend, precision):
-    a = solid_sites(particles([[0.1, 0.1, 0.1], [0.3, 0.1, 0.1], [5, 5, 5]], 1, precision), [[0, 0, 0], [1, 0, 0], [9, 9, 9]])
+    a = solid_sites(
+        particles([[0.1, 0.1, 0.1], [0.3, 0.1, 0.1], [5, 5, 5]], 1, precision),
+        [[0, 0, 0], [1, 0, 0], [9, 9, 9]],
+    )
     a["site_region_count"][2] = 0  # a dead site
     S = run("rest_sum", backend, a)["rest_sum"]
     assert S[:2] == pytest.approx([20.3718327 + 8.63765707] * 2, rel=1e-6)
@@ -64,7 +67,9 @@ def test_rest_volume_grows_and_shrinks_with_the_body(backend, precision):
 
 @everywhere
 def test_rest_volume_of_others_is_left_alone(backend):
-    a = solid_sites(particles([[0, 0, 0], [0.2, 0, 0], [0.4, 0, 0]], [0, 1, 2], volume=[1.0, 2.0, 3.0]), [[0, 0, 0]])
+    a = solid_sites(
+        particles([[0, 0, 0], [0.2, 0, 0], [0.4, 0, 0]], [0, 1, 2], volume=[1.0, 2.0, 3.0]), [[0, 0, 0]]
+    )
     a["rest_sum"] = run("rest_sum", backend, a)["rest_sum"]
     assert run("solid_volume_rest", backend, a)["volume"] == pytest.approx([1, V0, 3], rel=1e-12)
     a["site_particle"][0] = -1  # melted
