@@ -38,6 +38,15 @@ def body_cells(n):
     return [cube, plate, chain, single, u_shape]
 
 
+def melted_sites(bodies):
+    """Return three sites whose particles melted earlier: of the plate, the end of the U, of a large cube."""
+    if not bodies:
+        return np.zeros(0, int)
+    cube, last = len(bodies[0]), sum(len(c) for c in bodies) - 1
+    # a small cube stays whole: it has only one inner site
+    return np.array([cube + 3, last, cube + 1] if cube == 27 else [0, last, cube + 1])
+
+
 def _rotation(axis, angle):
     k = np.asarray(axis, float) / np.linalg.norm(axis)
     K = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
@@ -64,7 +73,7 @@ def _fill(taken, footprint, layers, count):
     return cells[keep][:count]
 
 
-def _special(liquid, solid, wall):
+def _special(liquid, solid, wall, vacant):
     """Liquid particles that are there to break something."""
     far = np.array([40.0, 40.0, 40.0]) * SPACING
     support = np.array([60.0, 8.0, 8.0]) * SPACING
@@ -81,6 +90,8 @@ def _special(liquid, solid, wall):
         # offenders of the guard: two at one solid particle, one at a wall
         points += [solid[len(solid) // 2] + (0.05, 0.02, 0), solid[len(solid) // 2] + (-0.04, 0.06, 0.01)]
         points.append(wall[len(wall) // 2] + (0, 0.01, 0.06))
+        # two more that could freeze to each of the vacant sites
+        points += [x + d for x in vacant for d in ((0.03, 0.02, -0.04), (-0.05, 0.04, 0.01))]
     return np.array(points)
 
 
@@ -88,12 +99,13 @@ def _points(n, rng):
     """Return positions (n, 3), phase and site of ``n`` particles before sorting."""
     bodies = body_cells(n)
     solid = _solids(bodies, rng)
+    melted = melted_sites(bodies)
     footprint = 10 if n >= 700 else 8
     wall_layers = 0 if not bodies else (2 if n >= 700 else 1)
     z, y, x = np.meshgrid(np.arange(-wall_layers, 0), np.arange(footprint), np.arange(footprint), indexing="ij")
     wall = (np.column_stack([x.ravel(), y.ravel(), z.ravel()]) + 0.5) * SPACING
     inactive = 0 if n < 40 else max(3, n // 40)
-    special = _special(np.zeros((1, 3)), solid, wall) if n >= 40 else np.zeros((0, 3))
+    special = _special(np.zeros((1, 3)), solid, wall, solid[melted]) if n >= 40 else np.zeros((0, 3))
     liquids = n - len(solid) - len(wall) - inactive - len(special)
     taken = {tuple(c) for cells in bodies for c in cells}
     cells = _fill(taken, footprint, 4 + n // footprint**2, liquids)
@@ -101,7 +113,7 @@ def _points(n, rng):
     stray = np.where(rng.random((len(cells), 1)) < 0.1, 0.6, 0.15)
     liquid = (cells + 0.5 + rng.uniform(-1, 1, cells.shape) * stray) * SPACING
     if len(special):
-        special = _special(quantise(liquid), quantise(solid), wall)[: len(special)]
+        special = _special(quantise(liquid), quantise(solid), wall, solid[melted])[: len(special)]
     # slots of deleted particles keep stale values: they lie amid the others
     stale = rng.uniform(0, footprint * SPACING, (inactive, 3))
     x = np.concatenate([solid, wall, liquid, special, stale])
@@ -109,6 +121,7 @@ def _points(n, rng):
         [SOLID, WALL, LIQUID, INACTIVE], [len(solid), len(wall), len(liquid) + len(special), inactive]
     )
     site = np.concatenate([np.arange(len(solid)), np.full(n - len(solid), -1)])
+    phase[melted] = LIQUID
     return quantise(x), phase, site
 
 

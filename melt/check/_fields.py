@@ -14,6 +14,8 @@ def _material_of(phase, site, n, rng):
     solid = phase == SOLID
     material[solid] = np.where(body[site[solid]] % 2 == 0, 1, 3)
     material[phase == WALL] = 4
+    melted = (phase == LIQUID) & (site >= 0)
+    material[melted] = np.where(body[site[melted]] % 2 == 0, 0, 2)
     return material
 
 
@@ -38,6 +40,8 @@ def particle_fields(arrays, scales, rng):
     """Return mechanical and thermal fields that fit positions, phases and neighbour lists."""
     phase, n = arrays["phase"], len(arrays["phase"])
     material = _material_of(phase, arrays["site"], n, rng)
+    cold = freezing_candidates(arrays)
+    material[cold] = np.where(material[cold] == 2, 2, 0)
     V = SPACING**3
     rho0 = materials()["material_density"][material]
     rest_volume = np.where(phase == LIQUID, V * rng.choice([1.0, 0.917, 1.05], n), V)
@@ -49,8 +53,9 @@ def particle_fields(arrays, scales, rng):
         material=material, mass=mass, rest_volume=rest_volume, volume=volume, density=density, pressure=pressure,
         velocity=rng.normal(size=(3, n)) * 0.5 * scales["speed"], force=rng.normal(size=(3, n)) * scales["force"],
         surface=(rng.random(n) < 0.3).astype(int) * (phase == LIQUID),
-        **thermal_fields(phase, material, mass, rest_volume, rng),
+        **thermal_fields(phase, material, mass, rest_volume, cold, rng),
     )
+    fields["velocity"][:, cold] *= 0.25  # slow enough to freeze
     fields["heat_conductance"] = conductance({**arrays, **fields})
     for name in ("position", "velocity"):
         fields[f"{name}_next"] = (fields[name] if name in fields else arrays[name]) + 0.0
@@ -59,6 +64,37 @@ def particle_fields(arrays, scales, rng):
     for name in ("mass", "rest_volume", "volume", "density", "heat_capacity", "heat_capacity_molten", "latent_capacity"):
         fields[name][empty] = 0.0
     return fields
+
+
+def freezing_candidates(arrays):
+    """Return which liquid particles are close to where one melted from its body."""
+    x, liquid = arrays["position"], arrays["phase"] == LIQUID
+    near = np.zeros(len(liquid), bool)
+    for i in np.flatnonzero(liquid & (arrays["site"] >= 0)):
+        near |= ((x - x[:, i : i + 1]) ** 2).sum(axis=0) < (0.5 * SPACING) ** 2
+    return near & liquid
+
+
+def freezing_fields(arrays):
+    """Return choices and claims of vacant sites that fit lists and sites; distances tie on purpose."""
+    x, n = arrays["position"], len(arrays["phase"])
+    choice, distance = np.full(n, -1), np.zeros(n, int)
+    home = np.flatnonzero((arrays["phase"] == LIQUID) & (arrays["site"] >= 0))
+    for i in np.flatnonzero(freezing_candidates(arrays)):
+        row = arrays["neighbour_index"][i, : arrays["neighbour_count"][i]]
+        hosts = {int(s) for s in arrays["site"][row[arrays["phase"][row] == SOLID]]}
+        for h in home:
+            s = arrays["site"][h]
+            if hosts & set(arrays["site_adjacent"][s]):
+                far = np.sqrt(((x[:, i] - x[:, h]) ** 2).sum()) / (0.6 * SPACING)
+                if far < 1 and (choice[i] < 0 or far * 8 < distance[i]):
+                    choice[i], distance[i] = s, int(far * 8)
+    claim = np.full(len(arrays["site_body"]), -1)
+    for i in np.flatnonzero(choice >= 0):
+        best = claim[choice[i]]
+        if best < 0 or (distance[i], arrays["id"][i]) < (distance[best], arrays["id"][best]):
+            claim[choice[i]] = i
+    return dict(freeze_site=choice, freeze_distance=distance, claim=claim)
 
 
 def _inflow(rng):
@@ -105,4 +141,4 @@ def surface_nodes(arrays):
 def special_fields(arrays, rng):
     """Return fields that need sites or several others: guard pairs, tree, sums at rest, heaters, inflow."""
     return dict(offenders=guard_pairs(arrays), tree=left_balanced(arrays["position"]), rest_sum=_rest_sum(arrays),
-                surface_node=surface_nodes(arrays), **heaters(), **_inflow(rng))
+                surface_node=surface_nodes(arrays), **freezing_fields(arrays), **heaters(), **_inflow(rng))

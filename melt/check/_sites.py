@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from melt.check._cloud import LIQUID, SPACING, body_cells
+from melt.check._cloud import SOLID, SPACING, body_cells
 
 SPARE = 6  # sites kept for freezing
 
@@ -88,6 +88,16 @@ def _regions(a, arrays, rng):
     a["goal"] = rng.normal(size=(3, count)) * 0.05 * SPACING * live
 
 
+def _components(a, rng):
+    """Add the pose and motion of rigid components, random, at every site."""
+    shape = (3, len(a["site_body"]))
+    for name in ("component_centre", "component_rest"):
+        a[name] = rng.normal(size=shape) * SPACING
+    q = rng.normal(size=(4, shape[1])) + np.array([[3.0], [0], [0], [0]])
+    a["component_rotation"] = q * np.sign(q[:1]) / np.linalg.norm(q, axis=0)
+    a["component_push"], a["component_twist"] = rng.normal(size=shape) * 10, rng.normal(size=shape) * 50
+
+
 def _layout(n, arrays, rng):
     """Place the sites: those of the bodies, some melted, some vacant, and spare ones at the end."""
     bodies = body_cells(n)
@@ -99,20 +109,10 @@ def _layout(n, arrays, rng):
         rest[:, body == b] = ((own - own.min(axis=0)) * SPACING).T
     a = {"site_cell": np.ascontiguousarray(cells.T), "site_body": body.astype(int), "site_rest": rest}
     particle = np.full(len(cells), -1)
-    has = np.flatnonzero(arrays["site"] >= 0)
+    # a melted particle remembers its site but is not on it any more
+    has = np.flatnonzero((arrays["site"] >= 0) & (arrays["phase"] == SOLID))
     particle[arrays["site"][has]] = has
-    live = body >= 0
-    if bodies:
-        cube = len(bodies[0])
-        # two of the plate, the end of the U; a small cube stays whole, it has one inner site
-        melted = np.array([cube + 3, len(cells) - spare - 1, cube + 1])
-        if cube > 27:
-            melted[:2] = 0, 4
-        live[melted] = False
-        arrays["phase"][particle[melted]] = LIQUID
-        # a melted particle remembers its site until it freezes elsewhere, but is not on it any more
-        arrays["site"][particle[melted[2]]] = -1
-        particle[melted] = -1
+    live = particle >= 0
     a["site_particle"] = particle
     return a, live
 
@@ -126,6 +126,7 @@ def sites(n, arrays, rng, width=2, connect=26):
     a["site_links"], a["site_link_count"] = by_offset(bonds, cell, 1), bonds.sum(axis=1)
     a["site_region"], a["site_region_count"] = by_offset(reach, cell, width), reach.sum(axis=1)
     a["site_component"] = components(bonds)
+    a["site_adjacent"] = by_offset(adjacency(cell, body, body >= 0, connect), cell, 1)
     surface = live & (a["site_link_count"] < 27)
     melting = surface & (rng.random(len(body)) < 0.15)
     a["site_melting"] = melting.astype(int)
@@ -138,13 +139,21 @@ def sites(n, arrays, rng, width=2, connect=26):
     a["site_dirty"] = refill.astype(int) + 2 * renew
     a["links_after"], a["link_count_after"] = by_offset(after, cell, 1), after.sum(axis=1)
     _regions(a, arrays, rng)
-    a["claim"] = np.full(len(body), -1)
+    _components(a, rng)
     arrays.update(a)
 
 
 def after_melting(arrays):
     """Return the arrays as they are between the stages ``unlink`` and ``fill_regions``."""
     return {**arrays, "site_links": arrays["links_after"], "site_link_count": arrays["link_count_after"]}
+
+
+def after_freezing(arrays, connect):
+    """Return the arrays as the stage ``freeze_sites`` leaves them: claimed sites are linked."""
+    cell, body = arrays["site_cell"], arrays["site_body"]
+    live = (arrays["site_link_count"] > 0) | (arrays["claim"] >= 0)
+    bonds = adjacency(cell, body, live, connect)
+    return {**arrays, "site_links": by_offset(bonds, cell, 1), "site_link_count": bonds.sum(axis=1)}
 
 
 def warm_start(arrays):

@@ -30,14 +30,14 @@ def materials():
     return fields
 
 
-def temperatures(latent_point, phase, rng):
+def temperatures(latent_point, phase, cold, rng):
     """Return temperature and share of latent heat of states on their enthalpy curve, all kinds mixed.
 
     Frozen below the point, frozen and half molten at it, molten at it, molten above it.
     """
     n = len(phase)
     changes = np.isfinite(latent_point)
-    kind = rng.integers(0, 6, n)
+    kind = np.where(cold, 1, rng.integers(0, 6, n))
     point = np.where(changes, latent_point, 0.0)
     offset = np.choose(kind, [-25.0, -0.75, 0.0, 0.0, 0.0, 12.0])
     share = np.choose(kind, [0.0, 0.0, 0.0, 0.4375, 1.0, 1.0])
@@ -45,7 +45,7 @@ def temperatures(latent_point, phase, rng):
     return T, np.where(changes, share, 0.0)
 
 
-def thermal_fields(phase, material, mass, rest_volume, rng):
+def thermal_fields(phase, material, mass, rest_volume, cold, rng):
     """Return the fields of heat exchange as `thermal_properties` and `latent_properties` leave them."""
     table = materials()
     solid, liquid = phase == SOLID, phase == LIQUID
@@ -57,7 +57,7 @@ def thermal_fields(phase, material, mass, rest_volume, rng):
     c = table["material_specific_heat"]
     capacity = mass * np.where(changes, c[frozen], c[material])
     latent_point = np.where(changes, point, np.inf)
-    T, share = temperatures(latent_point, phase, rng)
+    T, share = temperatures(latent_point, phase, cold, rng)
     exchanging = (phase != INACTIVE) & (phase != WALL)
     return dict(
         temperature=T, latent_point=latent_point, latent_capacity=np.where(changes, latent, 0.0),

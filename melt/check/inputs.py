@@ -56,8 +56,8 @@ SWITCHES = {
                 "width": (0, 1, 2)},
     "heat": {"law": (0, 1), "current_volume": (0, 1), "full_sweep": (0, 1), "latent": (0, 1), "wall_fixed": (0, 1)},
     "change": {"own_liquid": (0, 1), "latent": (0, 1)},
-    "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
     "domain": {"delete": (0, 1)},
+    "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
 }
 
 #: Extra variants of single stages.
@@ -92,7 +92,8 @@ def scales(n):
         spacing=_cloud.SPACING, speed=speed, mass=mass, volume=volume, density=1000.0, pressure=pressure,
         force=pressure * volume / _cloud.SPACING, temperature=50.0, conductivity=4e7, conductance=4e5,
         heat_capacity=mass * 4187.0, latent_energy=mass * 3e4, heat=mass * 3e4, number_density=1 / volume, one=1.0,
-        rate=speed / _cloud.SPACING, specific_heat=4187.0, latent_heat=3e4,
+        rate=speed / _cloud.SPACING, rate2=(speed / _cloud.SPACING) ** 2,
+        acceleration=pressure / 1000 / _cloud.SPACING, specific_heat=4187.0, latent_heat=3e4,
     )
 
 
@@ -133,7 +134,8 @@ def _sizes(arrays, grid):
         particle=n, node=n, neighbour=arrays["neighbour_index"].shape[1], cell=cells,
         chunk=-(-max(n, cells) // 256), site=len(arrays["site_body"]), link=27,
         region=arrays["site_region"].shape[1], material=len(arrays["material_density"]),
-        surface_node=arrays["surface_node"].shape[1], heater=len(arrays["heater_shape"]), inlet=len(arrays["inflow_mass"]), reduction=64,
+        surface_node=arrays["surface_node"].shape[1], heater=len(arrays["heater_shape"]),
+        inlet=len(arrays["inflow_mass"]), reduction=64,
     )
 
 
@@ -169,12 +171,16 @@ def _adapted(stage_name, arrays, choice):
     """Return the scene as it is when the stage runs, and as its variant asks."""
     if stage_name == "fill_regions":
         arrays = _sites.after_melting(arrays)
+    if stage_name == "mark_frozen":
+        arrays = _sites.after_freezing(arrays, choice.get("connect", 26))
     if stage_name == "region_match":
         arrays = _sites.warm_start(arrays)
     if choice.get("law", P.HEAT_PHYSICAL) == P.HEAT_PAPER:
         arrays = _thermal.in_paper_mode(arrays)
     if choice.get("wall_fixed"):
         arrays = _thermal.with_fixed_walls(arrays)
+    if choice.get("temperature") == 0:  # a scene without heat has no such field
+        arrays = {**arrays, "temperature": np.zeros(0)}
     return arrays
 
 
