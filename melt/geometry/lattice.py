@@ -75,4 +75,5 @@ def lattice_fields(site_cell, site_body, site_particle, connect=26):
         "site_adjacent": links(site_cell, site_body, np.ones(count, bool), connect),
         "site_dirty": np.full(count, 3, np.int32),
         "region_rotation": rotation,
+        "component_rotation": rotation.copy(),
     }

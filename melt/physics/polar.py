@@ -252,3 +252,43 @@ def rotation(A, q, lattice):
     if lattice.rotation == ROTATION_HORN:
         return horn(B, q)
     return iterative(B, q, lattice.tolerance, lattice.iterations)
+
+
+@scalar
+def solve_inertia(I, L):
+    """Return omega = I^+ L for a symmetric positive 3x3 matrix (xx, yy, zz, xy, xz, yz).
+
+    Axes with an eigenvalue below 1e-8 of the largest (1e-5 in float32, whose rounding hides
+    smaller ones) get no spin. By cyclic Jacobi.
+    """
+    real = type(I[0])
+    one, zero = real(1), real(0)
+    a0, a1, a2, a01, a02, a12 = I[0], I[1], I[2], I[3], I[4], I[5]
+    v0, v1, v2 = (one, zero, zero), (zero, one, zero), (zero, zero, one)
+    scale = abs(a0) + abs(a1) + abs(a2)
+    for _ in range(10):
+        if not scale + real(0.1) * (abs(a01) + abs(a02) + abs(a12)) > scale:
+            break
+        c, s, t = _givens(a0, a1, a01)
+        a0, a1, a01 = a0 - t * a01, a1 + t * a01, zero
+        a02, a12 = _turn(a02, a12, c, s)
+        v0, v1 = _turn3(v0, v1, c, s)
+        c, s, t = _givens(a0, a2, a02)
+        a0, a2, a02 = a0 - t * a02, a2 + t * a02, zero
+        a01, a12 = _turn(a01, a12, c, s)
+        v0, v2 = _turn3(v0, v2, c, s)
+        c, s, t = _givens(a1, a2, a12)
+        a1, a2, a12 = a1 - t * a12, a2 + t * a12, zero
+        a01, a02 = _turn(a01, a02, c, s)
+        v1, v2 = _turn3(v1, v2, c, s)
+    least = real(1e-8) * max(a0, max(a1, a2))
+    if not one + real(1e-8) > one:
+        least = real(1e-5) * max(a0, max(a1, a2))
+    f0 = _dot(v0, L) / a0 if a0 > least else zero
+    f1 = _dot(v1, L) / a1 if a1 > least else zero
+    f2 = _dot(v2, L) / a2 if a2 > least else zero
+    return (
+        f0 * v0[0] + f1 * v1[0] + f2 * v2[0],
+        f0 * v0[1] + f1 * v1[1] + f2 * v2[1],
+        f0 * v0[2] + f1 * v1[2] + f2 * v2[2],
+    )

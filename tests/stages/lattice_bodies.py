@@ -65,7 +65,7 @@ class Drive:
 
     def set(self, **arrays):
         for name, values in arrays.items():
-            self.arrays[name] = np.ascontiguousarray(values, dtype_of(FIELDS[name], self.precision))
+            self.arrays[name] = np.array(values, dtype_of(FIELDS[name], self.precision), order="C")
 
     def get(self, name):
         if name not in self.arrays:
