@@ -85,13 +85,18 @@ def tradeoff(
 @app.command("reproduce")
 def reproduce(
     name: Annotated[
-        str | None, typer.Argument(metavar="TABLE", help="Paper table or figure; a list unless given.")
+        str | None, typer.Argument(metavar="TABLE", help="Paper table or figure; lists them unless given.")
     ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Scaled down: shows that it runs.")] = False,
+    out: Out = None,
 ):
-    """Repeat an experiment of the paper and print paper, ours and ratio."""
+    """Repeat an experiment of the paper: paper beside ours; exit code 3 if a bound is missed."""
     from melt import reproduce as study
 
-    study.run(name)
+    if name is None:
+        typer.echo("\n".join(study.names()))
+    elif not study.run(name, out, quick, say=typer.echo):
+        raise typer.Exit(DIFFERENT)
 
 
 def _known(kind, given, known):

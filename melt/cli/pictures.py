@@ -1,10 +1,14 @@
 """Commands on run files: info and render."""
 
+import pathlib
+import re
+from typing import Annotated
 
 import typer
 
 from melt.cli import app
-from melt.cli.options import RunPath
+from melt.cli.options import Quiet, RunPath
+from melt.errors import MeltError
 
 
 @app.command("info")
@@ -13,3 +17,68 @@ def info(path: RunPath):
     from melt.output.info import describe
 
     typer.echo(describe(path))
+
+
+@app.command("render")
+def render(
+    path: RunPath,
+    output: Annotated[
+        pathlib.Path | None,
+        typer.Option(
+            "--output", "-o", help="RUN.png unless given; .mp4 gives a video, .ply .obj .vtp .pov a mesh."
+        ),
+    ] = None,
+    frame: Annotated[int, typer.Option("--frame", help="Frame of a picture or mesh; -1 is the last.")] = -1,
+    field: Annotated[str, typer.Option("--field", help="Field that the colours show.")] = "temperature",
+    surface: Annotated[bool, typer.Option("--surface", help="Draw surfaces in place of particles.")] = False,
+    view: Annotated[
+        str, typer.Option("--view", help="Where the camera stands: iso, front, side, top.")
+    ] = "iso",
+    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of a picture.")] = "1280x720",
+    walls: Annotated[bool, typer.Option("--walls", help="Draw wall particles that the file has.")] = False,
+    fps: Annotated[int, typer.Option("--fps", min=1, max=240, help="Frames per second of a video.")] = 25,
+    quiet: Quiet = False,
+):
+    """Draw a frame as a picture, all frames as a video, or export the surfaces of a frame."""
+    from melt.output.picture import render as draw
+
+    output = output or path.with_suffix(".png")
+    options = {}
+    if output.suffix.lower() in (".png", ".mp4"):
+        options = dict(field=field, surface=surface, view=view, size=_pixels(size), walls=walls)
+    if output.suffix.lower() == ".mp4":
+        draw(path, output, fps=fps, progress=None if quiet else _bar(), **options)
+    else:
+        draw(path, output, frame, **options)
+    if not quiet:
+        typer.echo(f"{output} written", err=True)
+
+
+def _pixels(text):
+    match = re.fullmatch(r"(\d+)x(\d+)", text.lower())
+    if match is None or not all(16 <= int(n) <= 8192 for n in match.groups()):
+        raise MeltError(
+            f"--size {text}: write WIDTHxHEIGHT in pixels, 16 to 8192 each, for instance 1280x720"
+        )
+    return int(match[1]), int(match[2])
+
+
+def _bar():
+    """Return a progress callback ``(done, total)`` that shows on a terminal only."""
+    import sys
+
+    if not sys.stderr.isatty():
+        return None
+    from rich.console import Console
+    from rich.progress import Progress
+
+    bar = Progress(console=Console(file=sys.stderr), transient=True)
+    task = bar.add_task("drawing")
+
+    def tell(done, total):
+        bar.start()
+        bar.update(task, completed=done, total=total)
+        if done == total:
+            bar.stop()
+
+    return tell

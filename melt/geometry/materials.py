@@ -53,8 +53,9 @@ def material_table(scene):
             freezes = k if heat and heat.refreeze else -1
             rows.append({**liquid, "density": solid.liquid_density, "melts_to": k + 1, "freezes_to": freezes})
             names.append(f"{solid.material} melt")
-    if heat and heat.refreeze and not own and scene.solid:
-        liquid["freezes_to"] = 1  # the ambient liquid freezes to the first solid's material
+    frozen = scene.fluid.freezes_to or (scene.solid[0].material if scene.solid and not own else None)
+    if heat and heat.refreeze and frozen:
+        liquid["freezes_to"] = source[frozen][0]
     whole = {"melts_to", "freezes_to"}
     arrays = {
         f"material_{k}": np.array([r[k] for r in rows], np.int32 if k in whole else float) for k in liquid

@@ -130,6 +130,8 @@ class Fluid(Section):
     """Speed that "auto" reckons with, if larger than sqrt(2 g H) and the inflow's."""
     clamp: bool = True
     """Pressure is never negative."""
+    freezes_to: str | None = None
+    """Material that it freezes to with heat.refreeze; with melt_to = water the first solid's unless given."""
     expansion: Expansion = 0.0
     """Thermal expansion of the Boussinesq buoyancy; 0 is off."""
     reference_temperature: Temperature | None = None

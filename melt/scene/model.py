@@ -47,8 +47,8 @@ class Time(Section):
     n_sub_max: PositiveInt = 16
     output_every: PositiveTime = 0.05
     """Time between frames, rounded to whole outer steps."""
-    checkpoint_every: PositiveTime | None = None
-    """Time between checkpoints; none unless given."""
+    checkpoint_every: PositiveTime | Literal["never"] | None = None
+    """Time between checkpoints, from which a killed run resumes; with every frame unless given."""
 
     @property
     def steps(self):
@@ -63,7 +63,9 @@ class Time(Section):
     @property
     def checkpoint_steps(self):
         """Outer steps between checkpoints, 0 for none."""
-        return 0 if self.checkpoint_every is None else max(1, round(self.checkpoint_every / self.dt))
+        if self.checkpoint_every is None:
+            return self.output_steps
+        return 0 if self.checkpoint_every == "never" else max(1, round(self.checkpoint_every / self.dt))
 
 
 class Walls(Section):
@@ -207,6 +209,11 @@ class Scene(Section):
                 solid.temperature = -10.0 if solid.temperature is None else solid.temperature
                 if solid.conductivity is None:
                     solid.conductivity = 30.0 if paper else 2.22
+        materials = [solid.material for solid in self.solid]
+        if self.fluid.freezes_to is not None and self.fluid.freezes_to not in materials:
+            raise ValueError(
+                f"fluid.freezes_to = {self.fluid.freezes_to!r} is no solid's material: it must be one of {materials}"
+            )
         for k, nozzle in enumerate(self.inflow):
             nozzle.name = nozzle.name or f"inflow {k}"
         for kind in (self.solid, self.inflow):
