@@ -60,6 +60,12 @@ class Simulation:
         for name in p.fields:
             if name in self.initial:
                 self.state.set(name, self.initial[name])
+        # liquids start at their rest density: what reads it before the first density pass sees that
+        used = np.maximum(self.initial["rest_volume"], 1e-300)
+        for name, values in (("density", self.initial["mass"] / used), ("volume", self.initial["rest_volume"])):
+            if name in self.state:
+                self.state.set(name, values)
+        self._timed_from = 0
         clock = self.do.clock
         clock.active = self.initial.active
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
@@ -144,7 +150,16 @@ class Simulation:
         values = {"dt": self.scene.time.dt, "step": clock.step, **series(self.do, self._start)}
         for name, value in notes.items():
             values[name] = BOUNDS.index(value) if name == "governing_bound" else value
+        steps = max(1, clock.step - self._timed_from)
+        for name, seconds in getattr(self.do, "seconds", {}).items():
+            values[f"ms/{name}"] = 1e3 * seconds / steps
         return values
+
+    def restart_timers(self):
+        """Begin the milliseconds per stage and outer step (``ms/*`` of `series`) anew."""
+        self._timed_from = self.do.clock.step
+        if hasattr(self.do, "seconds"):
+            self.do.seconds.clear()
 
     def checkpoint(self):
         """Return (arrays, meta) from which `restore` continues bit-identically."""
@@ -202,7 +217,7 @@ def run(
         writer = RunWriter(output, scene.to_toml(), facts, overwrite=overwrite)
     try:
         say("compile", message="compiling stages (cached for the next run)")
-        sim = Simulation(scene, chosen, precision, lockstep=lockstep, initial=initial)
+        sim = Simulation(scene, chosen, precision, timed=not chosen.on_device, lockstep=lockstep, initial=initial)
         for text in (*initial.notes, *sim.prepared.warnings):
             say("warning", message=text)
         if writer:
@@ -227,7 +242,7 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     _set_threads(threads)
     past = open_run(path)
     arrays, meta = checkpoint.load(checkpoint.beside(path))
-    sim = Simulation(scene_from_toml(past.scene_text), backend or meta["backend"], meta["precision"])
+    sim = Simulation(scene_from_toml(past.scene_text), backend or meta["backend"], meta["precision"], timed=True)
     sim.restore(arrays, meta)
     writer = RunWriter.resume(path, frames=int(meta["frames"]))
     try:
@@ -248,6 +263,7 @@ def _set_threads(threads):
 
 def _append(writer, sim, say):
     writer.append(sim.time, sim.frame(), sim.series())
+    sim.restart_timers()
     say("frame", time=sim.time, frames=writer.frames)
 
 
