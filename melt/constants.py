@@ -57,7 +57,9 @@ def grid_of(scene, particles, real):
     margin = (scene.domain.walls.layers + 1) * scene.spacing
     lower = [a - margin for a in scene.domain.lower]
     extent = [b + margin - a for a, b in zip(lower, scene.domain.upper)]
-    edge = scene.support * (1 + 1e-5)
+    # float32 rounds a cell index by about 1e-7 of the cells along an axis: the hair must exceed that
+    hair = max(1e-5, 3e-7 * max(extent) / scene.support)
+    edge = scene.support * (1 + hair)
     most = max(4096, 8 * particles)
     while math.prod(math.ceil(e / edge) for e in extent) > most:
         edge *= 1.26
