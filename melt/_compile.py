@@ -3,7 +3,6 @@
 Three decorators, one per kind of compiled function:
 
 ``scalar``      a formula of `melt.physics`, callable from both twins
-``exact``       the same where rounding decides (comparisons, bins): never any fastmath
 ``cpu_stage``   the public function of a CPU stage (``parallel=True``)
 ``cuda_kernel`` a private CUDA kernel; `Kernel.launch` runs it on a device, in the
                 simulator, or emulated on the host, as `melt.backend` has chosen
@@ -75,15 +74,6 @@ def scalar(function):
     return njit(error_model="numpy", fastmath=False, cache=_CACHE)(function)
 
 
-def exact(function):
-    """Compile a scalar formula whose rounding must not depend on its caller.
-
-    numba lets a callee without a fastmath setting inherit that of the function that happens to
-    compile it first (seen: ``contract`` in a comparison with the support); False forbids it.
-    """
-    return njit(error_model="numpy", fastmath=False, cache=_CACHE)(function)
-
-
 def cpu_stage(function):
     """Compile a CPU stage: threads, vectorised sums, no bounds checks, no exceptions."""
     return njit(
@@ -97,7 +87,7 @@ def cpu_helper(function):
 
 
 def cpu_serial(function):
-    """Compile a CPU stage that has no loop worth sharing between threads, or an `exact` helper."""
+    """Compile a CPU stage that has no loop worth sharing between threads."""
     return njit(error_model="numpy", fastmath=False, nogil=True, cache=_CACHE)(function)
 
 

@@ -1,0 +1,85 @@
+"""Every CUDA kernel compiles for every supported device, without one: PTX by NVVM, registers by ptxas."""
+
+import pathlib
+import re
+
+import numba
+import numpy as np
+import pytest
+
+from melt import _compile
+from melt.check import ptx
+from melt.stages import STAGES
+
+pytestmark = pytest.mark.toolchain
+OBSTACLE = ptx.why_not()
+GPU_MD = pathlib.Path(__file__).parents[2] / "docs" / "gpu.md"
+#: Kernels with double-precision instructions in single precision, and why.
+WIDE = {
+    "rigid._rigid_match": "a component has thousands of members: its sums are float64 by choice (a baseline, not tuned)",
+    "lattice._region_match": "libdevice reduces arguments of sinf and cosf beyond 105615 in float64; angles never get there",
+    "surface_field._surface_field": "as region_match: cosf of an angle within 0 .. pi/3",
+}
+
+if OBSTACLE:
+    pytest.skip(OBSTACLE, allow_module_level=True)
+
+
+@pytest.fixture(scope="module")
+def single():
+    return ptx.compile_all("single", assembled=bool(ptx.ptxas()))
+
+
+def test_every_kernel_is_launched_by_the_check_inputs():
+    """A kernel that no variant of the inputs launches would be neither compiled nor checked."""
+    launched = {name for stage in STAGES for name, _ in ptx.launches(stage, "single")}
+    assert {ptx.name_of(kernel) for kernel in _compile.KERNELS if kernel.py_func.__module__.startswith("melt.cuda.")} == launched
+
+
+def test_every_kernel_compiles_for_every_capability_in_single_precision(single):
+    assert not [(row.kernel, row.error) for row in single if row.error]
+    assert {row.capability for row in single} == set(ptx.CAPABILITIES)
+
+
+def test_single_precision_kernels_have_no_double_precision_instructions(single):
+    wide = {row.kernel: row.doubles for row in single if row.doubles}
+    assert set(wide) <= set(WIDE), wide
+
+
+def test_exemptions_from_single_precision_are_needed(single):
+    assert set(WIDE) <= {row.kernel for row in single if row.doubles}
+
+
+def test_every_kernel_compiles_in_double_precision():
+    rows = ptx.compile_all("double", ((9, 0),), assembled=False)
+    assert not [(row.kernel, row.error) for row in rows if row.error]
+
+
+def test_no_kernel_spills_in_single_precision(single):
+    if not ptx.ptxas():
+        pytest.skip("ptxas is not installed: pip install 'melt[toolchain]'")
+    assert not {row.kernel: row.spills for row in single if row.spills}
+
+
+def test_gpu_page_lists_the_kernels_there_are(single):
+    listed = set(re.findall(r"^\| `([\w.]+)`", GPU_MD.read_text(), flags=re.M))
+    assert listed == {row.kernel for row in single}, "run python -m melt.check.ptx"
+
+
+def test_double_precision_instructions_are_seen():
+    def wide(x, y):
+        i = _compile.cuda.grid(1)
+        if i < x.shape[0]:
+            y[i] = 0.5 * x[i]
+
+    x = np.zeros(3, np.float32)
+    library = ptx.lower(_compile.Kernel(wide), (numba.typeof(x), numba.typeof(x)), (9, 0))
+    _compile.KERNELS.pop()
+    assert ptx.double_instructions("\n".join(library.get_asm_strs(cc=(9, 0))))
+
+
+def test_occupancy_of_known_register_counts():
+    assert ptx.occupancy(32, (9, 0)) == 1.0
+    assert ptx.occupancy(64, (9, 0)) == 0.5
+    assert ptx.occupancy(255, (9, 0)) == 0.125
+    assert ptx.occupancy(64, (7, 5)) == 1.0
