@@ -5,10 +5,10 @@ calls it, so the grid and the KD-tree of one twin return identical lists even fo
 support to the last bit (lattices have many).
 """
 
-from melt._compile import exact
+from melt._compile import scalar
 
 
-@exact
+@scalar
 def axis_cell(x, origin, inverse_cell, count):
     """Return the cell 0 .. count-1 of coordinate x along one axis; those outside are clamped.
 
@@ -25,13 +25,13 @@ def axis_cell(x, origin, inverse_cell, count):
     return 0
 
 
-@exact
+@scalar
 def squared_distance(x, y, z):
     """Return x^2 + y^2 + z^2, added in this order; nothing is fused on the CPU, NVVM fuses on a device."""
     return x * x + y * y + z * z
 
 
-@exact
+@scalar
 def left_size(n):
     """Return the number of nodes left of the root in a left-balanced binary tree of n >= 1 nodes."""
     full = 1  # nodes of the lowest full level, 2^l <= (n + 1) / 2
@@ -41,7 +41,7 @@ def left_size(n):
     return full - 1 + min(n - (2 * full - 1), full)
 
 
-@exact
+@scalar
 def segment_of(place, level, n):
     """Return (first, size, node) of the subtree at a level that holds a place in the in-order sequence.
 
@@ -60,7 +60,7 @@ def segment_of(place, level, n):
     return first, size, node
 
 
-@exact
+@scalar
 def precedes(x, i, y, j):
     """Return whether particle i at coordinate x sorts before j at y: NaN last, ties by index."""
     if x < y:
