@@ -1,6 +1,6 @@
 """Scalar formulas of the neighbour search. Melting spec 2.9.
 
-All are `exact`: the comparison with the support is rounded the same way in every loop that
+All are `scalar`: the comparison with the support is rounded the same way in every loop that
 calls it, so the grid and the KD-tree of one twin return identical lists even for pairs at the
 support to the last bit (lattices have many).
 """
