@@ -1,0 +1,68 @@
+"""What a run file holds, in words: `melt info`."""
+
+import numpy as np
+
+from melt.output.checkpoint import beside
+from melt.output.run_reader import open_run
+from melt.physics.phases import PHASE_NAMES
+
+
+def describe(run_path):
+    """Return [(label, text)] about a run file.
+
+    Raises:
+        RunFileError: it cannot be read.
+    """
+    with open_run(run_path) as run:
+        rows = [("file", f"{run.path}, {_bytes(run.path.stat().st_size)}")]
+        rows.append(("scene", _scene_name(run.scene_text)))
+        rows += _frames(run)
+        rows.append(("fields", ", ".join(f"{name} [{unit}]" for name, unit in sorted(run.units.items())) or "none"))
+        rows += [(name.replace("_", " "), f"{values[-1]:.6g} {unit}".rstrip(" 1") if len(values) else "")
+                 for name, values, unit in _last_values(run)]
+        rows += [(name.replace("_", " "), str(value)) for name, value in run.provenance.items()]
+        checkpoint = beside(run.path)
+        rows.append(("checkpoint", str(checkpoint.name) if checkpoint.exists() else "none"))
+    return rows
+
+
+def _scene_name(text):
+    import tomllib
+
+    try:
+        scene = tomllib.loads(text).get("scene", {})
+    except tomllib.TOMLDecodeError:
+        return "not readable"
+    return ": ".join(str(scene[k]) for k in ("name", "title") if k in scene) or "without a name"
+
+
+def _frames(run):
+    if len(run) == 0:
+        return [("frames", "none yet")]
+    first, last = run.times[0], run.times[-1]
+    rows = [("frames", f"{len(run)}, t = {first:g} .. {last:g} s")]
+    least, most = int(run.counts.min()), int(run.counts.max())
+    rows.append(("particles", f"{most:,}" if least == most else f"{least:,} .. {most:,}"))
+    if "phase" in run.units:
+        for label, k in (("first", 0), ("last", -1)):
+            number = np.bincount(run.frame(k, ["phase"])["phase"], minlength=6)
+            text = ", ".join(f"{number[p]:,} {PHASE_NAMES[p]}" for p in range(6) if number[p])
+            rows.append((f"{label} frame", text or "no particles"))
+    return rows
+
+
+def _last_values(run):
+    """Yield (name, values, unit) of the series that say how the run went; times per stage are summed up."""
+    for name in sorted(run.series):
+        if "/" not in name and name != "time":
+            yield f"last {name}", run.series[name], run.series_units[name]
+    stages = [v for name, v in run.series.items() if name.startswith("ms/")]
+    if stages and len(run):
+        yield "last ms of all stages", np.nansum(stages, axis=0), "ms"
+
+
+def _bytes(size):
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if size < 1000 or unit == "GB":
+            return f"{size:.3g} {unit}" if unit != "bytes" else f"{size} bytes"
+        size /= 1000

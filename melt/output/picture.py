@@ -1,0 +1,217 @@
+"""Pictures and videos of runs: shaded particles or surfaces, coloured by a field."""
+
+import contextlib
+import os
+import pathlib
+import tomllib
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from melt.output import camera as cameras
+from melt.output import colours, mesh_files, shade, surface_mesh
+from melt.output.annotate import annotate, edges
+from melt.output.errors import OutputError, output_error
+from melt.output.run_reader import Run, open_run
+from melt.output.shade import Spheres, Stage
+from melt.physics.phases import BUBBLE, LIQUID, PHASE_NAMES, SOLID, VAPOUR, WALL
+
+
+class Painter:
+    """Draws frames of one run with one camera and one colour scale.
+
+    Args:
+        run: `Run`.
+        field: field that colours particles; `colours.choose` says what stands in for a missing one.
+        surface: draw the liquid's surface and the solids' instead of particles.
+        view: iso, side, front or top. size: pixels (width, height).
+        walls: draw wall particles too.
+    """
+
+    def __init__(self, run, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False):
+        if view not in cameras.VIEWS:
+            raise OutputError(f"unknown view '{view}': use {', '.join(cameras.VIEWS)}.")
+        if len(run) == 0:
+            raise OutputError(f"{run.path} has no frame yet: nothing to draw.")
+        self.run, self.surface, self.walls = run, surface, walls
+        self.colouring = colours.choose(run, field)
+        self.spacing, self.box = _scene_facts(run)
+        low, high = self.bounds = self._bounds()
+        if self.spacing is None:
+            self.spacing = surface_mesh.spacing_of(self._first())
+        camera = self.camera = cameras.fit(low, high, view, *size, right=0.12 if self.colouring.field != "phase" else 0.0)
+        self._stage = None
+
+    def values(self, frame):
+        """Return the numbers (n,) that colour a frame."""
+        return colours.values_of(frame, self.colouring.field)
+
+    @property
+    def stage(self):
+        """The ground and the light, made when the first picture is drawn."""
+        if self._stage is None:
+            self._stage = self._build_stage()
+        return self._stage
+
+    def _build_stage(self):
+        low, high = self.bounds
+        stage = Stage(self.camera, low, high, self.spacing)
+        if self.box is not None and np.all(self.box[1] - self.box[0] <= 1.6 * (high - low) + 4 * self.spacing):
+            canvas = Image.fromarray((stage.backdrop * 255).astype(np.uint8))
+            edges(ImageDraw.Draw(canvas), stage.camera, *self.box)
+            stage.backdrop = np.asarray(canvas).astype(np.float32) / 255
+        return stage
+
+    def draw(self, k):
+        """Return the picture of frame ``k``, (height, width, 3) uint8."""
+        names = {"position", "phase", "material", "velocity", self.colouring.field} & set(self.run.fields)
+        frame = self.run.frame(k, names)
+        phase = self._phase(frame)
+        rgb = self.colouring.rgb(self.values(frame))
+        seen = np.isfinite(frame["position"]).all(axis=1)
+        opaque = seen & ((phase == SOLID) | (self.walls & (phase == WALL)))
+        liquid, gas = seen & (phase == LIQUID), seen & ((phase == BUBBLE) | (phase == VAPOUR))
+        x, dx = frame["position"], self.spacing
+        solid_shapes = Spheres(x[opaque], np.full(opaque.sum(), 0.56 * dx), rgb[opaque])
+        drops = liquid | gas
+        radius = np.where(gas[drops], 0.5, 0.42) * dx
+        liquid_shapes = Spheres(x[drops], radius, np.where(gas[drops][:, None], np.float32(0.96), rgb[drops]))
+        camera = self.stage.camera
+        maps = [(self.stage.shadow_map(solid_shapes), 0.75), (self.stage.shadow_map(liquid_shapes), 0.35)]
+        if self.surface:
+            meshes = mesh_files.surfaces(frame, self.values(frame).astype(np.float64), dx)
+            colour = {kind: self.colouring.rgb(mesh.temperature).reshape(-1, 3) for kind, mesh in meshes.items()}
+            solid_layer = shade.mesh_layer(meshes["solid"], colour["solid"], camera)
+            behind = np.minimum(self.stage.floor_depth, solid_layer.depth)
+            liquid_layer = shade.mesh_layer(meshes["liquid"], colour["liquid"], camera, behind)
+        else:
+            solid_layer = shade.sphere_layer(solid_shapes, camera)
+            behind = np.minimum(self.stage.floor_depth, solid_layer.depth)
+            liquid_layer = shade.sphere_layer(liquid_shapes, camera, behind)
+        picture = self.stage.draw(solid_layer, liquid_layer, maps, "mesh" if self.surface else "spheres")
+        number = np.bincount(phase[seen], minlength=6)
+        counts = ", ".join(f"{number[p]:,} {PHASE_NAMES[p]}" for p in (0, 1, 3, 4) if number[p])
+        return annotate(shade.reduce(picture), self.run.times[k], self.colouring, counts)
+
+    def _phase(self, frame):
+        return frame["phase"] if "phase" in frame else np.zeros(len(frame["position"]), np.int32)
+
+    def _first(self):
+        k = int(np.argmax(self.run.counts > 1))
+        return self.run.frame(k, ["position"])["position"]
+
+    def _bounds(self, sample=8):
+        """Return the box around the moving particles of the run, far splashes left out."""
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        names = [n for n in ("position", "phase") if n in self.run.fields]
+        for k in np.unique(np.linspace(0, len(self.run) - 1, min(sample, len(self.run))).astype(int)):
+            frame = self.run.frame(k, names)
+            keep = np.isfinite(frame["position"]).all(axis=1) & ((self._phase(frame) != WALL) | self.walls)
+            x = frame["position"][keep]
+            if len(x):
+                most = np.quantile(x, (0.002, 0.998), axis=0)
+                more = 0.25 * (most[1] - most[0]).max()
+                low = np.minimum(low, np.maximum(x.min(axis=0), most[0] - more))
+                high = np.maximum(high, np.minimum(x.max(axis=0), most[1] + more))
+        if not np.all(low <= high):
+            return np.zeros(3), np.ones(3)
+        pad = 0.02 * np.linalg.norm(high - low) + (0.5 * self.spacing if self.spacing else 0)
+        floor = self.box[0][2] if self.box is not None and self.box[0][2] <= low[2] + 2 * pad else low[2] - pad
+        return np.array([low[0] - pad, low[1] - pad, min(floor, low[2])]), high + pad
+
+
+def _scene_facts(run):
+    """Return (spacing [m] or None, (low, high) of the domain or None) from the scene text."""
+    try:
+        domain = tomllib.loads(run.scene_text)["domain"]
+        low, high = (np.array([float(v) for v in domain[k]]) for k in ("lower", "upper"))
+        spacing = float(domain["spacing"]) if "spacing" in domain else None
+        return spacing, (low, high) if low.shape == (3,) and high.shape == (3,) else None
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError):
+        return None, None
+
+
+def render_frame(run, frame, out_png, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False):
+    """Write one frame as PNG."""
+    picture = Painter(run, field, surface, view, size, walls).draw(frame)
+    with whole(out_png) as temporary:
+        Image.fromarray(picture).save(temporary, format="PNG")
+
+
+def render_video(
+    run, out_mp4, fps=25, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False,
+    frames=None, progress=None,
+):
+    """Write frames (all unless given) as H.264; Ctrl-C or a failure leaves no file.
+
+    ``progress(done, total)`` is called after each frame.
+    """
+    import imageio_ffmpeg
+
+    size = tuple(v - v % 2 for v in size)  # yuv420p halves both
+    painter = Painter(run, field, surface, view, size, walls)
+    chosen = range(len(run)) if frames is None else list(frames)
+    with whole(out_mp4) as temporary:
+        writer = imageio_ffmpeg.write_frames(
+            str(temporary), size, fps=fps, codec="libx264", quality=None, macro_block_size=2,
+            output_params=["-crf", "18", "-preset", "medium", "-movflags", "+faststart", "-f", "mp4"],
+        )
+        writer.send(None)
+        try:
+            for done, k in enumerate(chosen):
+                writer.send(np.ascontiguousarray(painter.draw(k)))
+                if progress:
+                    progress(done + 1, len(chosen))
+        finally:
+            writer.close()
+        if not temporary.exists() or temporary.stat().st_size == 0:
+            raise OutputError(f"cannot write {out_mp4}: ffmpeg left nothing; is the disk full?")
+
+
+@contextlib.contextmanager
+def whole(path):
+    """Yield a temporary name beside ``path`` that becomes ``path`` if all went well."""
+    path = pathlib.Path(path)
+    temporary = path.with_name(f".{path.stem}.part{path.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    except OSError as error:
+        raise output_error("write", path, error) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def render(run_path, out, frame=-1, **options):
+    """Render a run to ``out``; its suffix chooses: png, mp4, or a mesh: ply, obj, vtp, pov.
+
+    Args:
+        run_path: run file, or an open `Run`.
+        frame: frame of a picture or mesh (-1: the last).
+        options: of `render_frame`, `render_video` or `mesh_files.write_run_frame`.
+
+    Raises:
+        OutputError, RunFileError.
+    """
+    out = pathlib.Path(out)
+    suffix = out.suffix.lower()
+    run = run_path if isinstance(run_path, Run) else open_run(run_path)
+    try:
+        if suffix == ".png":
+            render_frame(run, _number(run, frame), out, **options)
+        elif suffix == ".mp4":
+            render_video(run, out, **options)
+        elif suffix in mesh_files.WRITERS:
+            mesh_files.write_run_frame(run, _number(run, frame), out, **options)
+        else:
+            kinds = ", ".join([".png", ".mp4", *mesh_files.WRITERS])
+            raise OutputError(f"cannot render to '{out.name}': the suffix must be one of {kinds}.")
+    finally:
+        if run is not run_path:
+            run.close()
+    return out
+
+
+def _number(run, frame):
+    run.frame(frame, [])  # refuses a frame that is not there
+    return frame % len(run)
