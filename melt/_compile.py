@@ -128,7 +128,7 @@ class Kernel:
             return
         if Kernel.emulated:
             if self._host is None:
-                self._host = emulate(self.py_func)
+                self._host = emulate(self.py_func, cache=_CACHE)
             self._host(threads, *arguments)
             return
         if self._device is None:

@@ -120,10 +120,10 @@ def difference(name, field, reference, got, precision, scales):
         return Difference(field, 0.0, (), 0.0, 0.0)
     scale = scales.get(FIELDS[field].scale, 1.0) if field in FIELDS else 1.0
     same = (ref == new) | (np.isnan(ref) & np.isnan(new))
-    allowed = rtol * np.abs(ref) + atol * scale
-    if np.asarray(got).dtype.kind in "iu":
-        allowed = np.zeros_like(ref)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):  # capacities may be infinite
+        allowed = rtol * np.abs(ref) + atol * scale
+        if np.asarray(got).dtype.kind in "iu":
+            allowed = np.zeros_like(ref)
         ratio = np.where(same, 0.0, np.abs(ref - new) / allowed)
     ratio = np.where(np.isnan(ratio), np.inf, ratio)
     worst = np.unravel_index(np.argmax(ratio), ratio.shape)
