@@ -103,7 +103,7 @@ def settings_of(scene, initial, sound_speed, precision):
         chosen.heat_solver = heat.solver
         chosen.fourier_number = fo
         chosen.heat_substeps = max(1, math.ceil(fo / 0.5)) if heat.substeps == "auto" else heat.substeps
-        chosen.heat_rtol = heat.tolerance or (1e-8 if precision == "double" else 1e-5)
+        chosen.heat_tolerance = heat.tolerance or (1e-8 if precision == "double" else 1e-5)
         chosen.heat_iterations = heat.max_iterations
     return chosen
 
