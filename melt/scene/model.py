@@ -212,7 +212,7 @@ class Scene(Section):
         materials = [solid.material for solid in self.solid]
         if self.fluid.freezes_to is not None and self.fluid.freezes_to not in materials:
             raise ValueError(
-                f"fluid.freezes_to = {self.fluid.freezes_to!r} is no solid's material: it must be one of {materials}"
+                f"fluid.freezes_to = {self.fluid.freezes_to!r} is no solid's material; there are {materials}"
             )
         for k, nozzle in enumerate(self.inflow):
             nozzle.name = nozzle.name or f"inflow {k}"
@@ -220,7 +220,7 @@ class Scene(Section):
             names = [item.name for item in kind]
             if twice := [n for n in names if names.count(n) > 1]:
                 raise ValueError(
-                    f"the name {twice[0]!r} is given twice: names of solids and of inflows are unique"
+                    f"the name {twice[0]!r} is given twice: names of solids and inflows are unique"
                 )
         return self
 
