@@ -65,13 +65,14 @@ def _leave_domain(position, domain, phase):
     if i >= phase.shape[0]:
         return
     x, y, z = position[0, i], position[1, i], position[2, i]
-    # a NaN fails every comparison, so it counts as outside
-    inside = (
-        x >= domain.lower_x and x <= domain.upper_x
-        and y >= domain.lower_y and y <= domain.upper_y
-        and z >= domain.lower_z and z <= domain.upper_z
+    # a NaN or infinity is a fault that the host must see, not a particle that left
+    finite = math.isfinite(x) and math.isfinite(y) and math.isfinite(z)
+    outside = (
+        x < domain.lower_x or x > domain.upper_x
+        or y < domain.lower_y or y > domain.upper_y
+        or z < domain.lower_z or z > domain.upper_z
     )
-    if phase[i] == LIQUID and domain.delete == 1 and not inside:
+    if phase[i] == LIQUID and domain.delete == 1 and finite and outside:
         phase[i] = INACTIVE
 
 

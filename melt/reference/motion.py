@@ -38,16 +38,17 @@ def drift(phase, velocity, dt, position):
 
 
 def leave_domain(position, domain, phase):
-    """Make liquid particles inactive that left the box or have no finite position, if so chosen.
+    """Make liquid particles inactive that left the box, if so chosen.
 
-    Solids stay: a lattice site must keep its particle, the body flies on.
+    Solids stay: a lattice site must keep its particle, the body flies on. So does a particle whose
+    position is not finite: that is a fault, which the host reports; it must not vanish unseen.
     Reads: position (3, n) [m]. Writes: phase (n,).
     """
     lower = np.array([[domain.lower_x], [domain.lower_y], [domain.lower_z]], dtype=np.float64)
     upper = np.array([[domain.upper_x], [domain.upper_y], [domain.upper_z]], dtype=np.float64)
-    inside = ((position >= lower) & (position <= upper)).all(axis=0)
+    outside = (np.isfinite(position).all(axis=0)) & ((position < lower) | (position > upper)).any(axis=0)
     if domain.delete == 1:
-        phase[(phase == 0) & ~inside] = 5
+        phase[(phase == 0) & outside] = 5
 
 
 def motion_bounds(phase, mass, velocity, force, motion_bounds):

@@ -70,7 +70,8 @@ def test_leaving_the_domain(backend, precision):
     x[7] = 2.0
     a = particles(np.where(np.isfinite(x), x, 0), [0, 0, 0, 0, 0, 0, 1, 2], precision)
     a["position"][:] = x.T
-    assert run("leave_domain", backend, a)["phase"].tolist() == [0, 5, 5, 5, 5, 0, 1, 2]
+    # what has no finite position stays, for the host to report
+    assert run("leave_domain", backend, a)["phase"].tolist() == [0, 5, 5, 0, 0, 0, 1, 2]
     assert np.array_equal(run("leave_domain", backend, a, delete=0)["phase"], a["phase"])
 
 
