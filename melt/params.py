@@ -70,7 +70,7 @@ class Lattice(NamedTuple):
     solid_scale: float  # phi_scale of solids
     rotation: int  # ROTATION_SVD, ROTATION_HORN, ROTATION_ITERATIVE
     iterations: int  # cap of ROTATION_ITERATIVE
-    tolerance: float  # of ROTATION_ITERATIVE
+    tolerance: float  # of ROTATION_ITERATIVE: stops at a turn whose square [rad^2] is below
     stiffness: float  # alpha_lsm
     damping: float  # k_damp per outer step
     refill: int  # REFILL_ALL, REFILL_CHANGED, REFILL_AFFECTED

@@ -76,7 +76,8 @@ def region_motion(
 
 @cpu_stage
 def damp_velocity(
-    site_particle, site_position, site_velocity, site_region, site_region_count, region_centre, region_velocity,
+    site_particle, site_position, site_velocity, site_region, site_region_count, region_centre,
+    region_velocity,
     region_spin, factor, velocity,
 ):
     """See `melt.reference.damping.damp_velocity`."""

@@ -16,7 +16,8 @@ FAR = 2**30
 @cpu_stage
 def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
-    neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point, material_freezes_to,
+    neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
+    material_freezes_to,
     lattice, change, freeze_site, freeze_distance,
 ):
     """See `melt.reference.freezing.freeze_choice`."""
@@ -53,7 +54,8 @@ def freeze_choice(
                 if s < 0 or site_link_count[s] > 0:
                     continue
                 r = rotate(
-                    region_rotation[0, q], region_rotation[1, q], region_rotation[2, q], region_rotation[3, q],
+                    region_rotation[0, q], region_rotation[1, q], region_rotation[2, q], region_rotation[3,
+                    q],
                     real(k % 3 - 1) * dx, real(k // 3 % 3 - 1) * dx, real(k // 9 - 1) * dx,
                 )
                 a, b, c = x + r[0], y + r[1], z + r[2]
@@ -69,10 +71,11 @@ def freeze_choice(
 
 @cpu_stage
 def freeze_claim(
-    id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count, neighbour_count, neighbour_index,
+    id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count, neighbour_count,
+    neighbour_index,
     claim, frozen,
 ):
-    """See `melt.reference.freezing.freeze_claim`: who chose a site is a neighbour of a live site beside it."""
+    """See `melt.reference.freezing.freeze_claim`; who chose a site is listed by a live site beside it."""
     count = site_link_count.shape[0]
     for piece in prange(PIECES):
         total = 0
@@ -101,7 +104,8 @@ def freeze_claim(
 
 @cpu_stage
 def freeze_particles(
-    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass, rest_volume,
+    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
+    rest_volume,
 ):
     """See `melt.reference.freezing.freeze_particles`."""
     for i in prange(phase.shape[0]):

@@ -147,7 +147,8 @@ def goal(site_region, site_region_count, region_rotation, region_mean, region_sh
                 member = site_region[s, k]
                 j = np.uint64(member if member >= 0 else s)
                 here = one if member >= 0 else real(0)
-                w, x, y, z = region_rotation[0, j], region_rotation[1, j], region_rotation[2, j], region_rotation[3, j]
+                w, x = region_rotation[0, j], region_rotation[1, j]
+                y, z = region_rotation[2, j], region_rotation[3, j]
                 # the region of site j sees this site at minus the offset
                 X, Y, Z = -rest[0, k], -rest[1, k], -rest[2, k]
                 p = y * Z - z * Y + w * X

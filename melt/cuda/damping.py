@@ -87,14 +87,16 @@ def region_motion(
     sites = site_particle.shape[0]
     _gather_velocities.launch(sites, velocity, site_particle, site_velocity)
     _region_motion.launch(
-        sites, site_position, site_velocity, site_region, site_region_count, region_share, region_mass, region_centre,
+        sites, site_position, site_velocity, site_region, site_region_count, region_share, region_mass,
+        region_centre,
         region_velocity, region_spin,
     )
 
 
 @cuda_kernel
 def _damp_velocity(
-    site_particle, site_position, site_velocity, site_region, site_region_count, region_centre, region_velocity,
+    site_particle, site_position, site_velocity, site_region, site_region_count, region_centre,
+    region_velocity,
     region_spin, factor, velocity,
 ):
     s = cuda.grid(1)
@@ -123,7 +125,8 @@ def _damp_velocity(
 
 
 def damp_velocity(
-    site_particle, site_position, site_velocity, site_region, site_region_count, region_centre, region_velocity,
+    site_particle, site_position, site_velocity, site_region, site_region_count, region_centre,
+    region_velocity,
     region_spin, factor, velocity,
 ):
     """See `melt.reference.damping.damp_velocity`."""

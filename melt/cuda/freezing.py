@@ -13,7 +13,8 @@ FAR = 2**30
 @cuda_kernel
 def _freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
-    neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point, material_freezes_to,
+    neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
+    material_freezes_to,
     lattice, change, freeze_site, freeze_distance,
 ):
     i = cuda.grid(1)
@@ -67,20 +68,23 @@ def _freeze_choice(
 
 def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
-    neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point, material_freezes_to,
+    neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
+    material_freezes_to,
     lattice, change, freeze_site, freeze_distance,
 ):
     """See `melt.reference.freezing.freeze_choice`."""
     _freeze_choice.launch(
         phase.shape[0], position, velocity, phase, material, temperature, latent_energy, site, site_adjacent,
-        site_link_count, neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
+        site_link_count, neighbour_count, neighbour_index, region_rotation, region_shift,
+        material_melting_point,
         material_freezes_to, lattice, change, freeze_site, freeze_distance,
     )
 
 
 @cuda_kernel
 def _freeze_claim(
-    id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count, neighbour_count, neighbour_index,
+    id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count, neighbour_count,
+    neighbour_index,
     claim,
 ):
     s = cuda.grid(1)
@@ -119,12 +123,14 @@ def _count_claims(claim, frozen):
 
 
 def freeze_claim(
-    id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count, neighbour_count, neighbour_index,
+    id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count, neighbour_count,
+    neighbour_index,
     claim, frozen,
 ):
     """See `melt.reference.freezing.freeze_claim`."""
     _freeze_claim.launch(
-        site_link_count.shape[0], id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count,
+        site_link_count.shape[0], id, freeze_site, freeze_distance, site_particle, site_adjacent,
+        site_link_count,
         neighbour_count, neighbour_index, claim,
     )
     _count_claims.launch(frozen.shape[0], claim, frozen)
@@ -132,7 +138,8 @@ def freeze_claim(
 
 @cuda_kernel
 def _freeze_particles(
-    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass, rest_volume,
+    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
+    rest_volume,
 ):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
@@ -152,11 +159,13 @@ def _freeze_particles(
 
 
 def freeze_particles(
-    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass, rest_volume,
+    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
+    rest_volume,
 ):
     """See `melt.reference.freezing.freeze_particles`."""
     _freeze_particles.launch(
-        phase.shape[0], freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
+        phase.shape[0], freeze_site, claim, material_freezes_to, material_density, change, phase, material,
+        site, mass,
         rest_volume,
     )
 

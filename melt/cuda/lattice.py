@@ -173,6 +173,7 @@ def _goal(site_region, site_region_count, region_rotation, region_mean, region_s
 def goal(site_region, site_region_count, region_rotation, region_mean, region_shift, lattice, goal):
     """See `melt.reference.lattice.goal`."""
     _goal.launch(
-        site_region_count.shape[0], site_region, site_region_count, region_rotation, region_mean, region_shift,
+        site_region_count.shape[0], site_region, site_region_count, region_rotation, region_mean,
+        region_shift,
         lattice, goal,
     )

@@ -58,6 +58,7 @@ def melt_particles(
 ):
     """See `melt.reference.phase_change.melt_particles`."""
     _melt_particles.launch(
-        phase.shape[0], site, site_melting, material_melts_to, material_density, change, phase, material, mass,
+        phase.shape[0], site, site_melting, material_melts_to, material_density, change, phase, material,
+        mass,
         rest_volume,
     )

@@ -1,4 +1,4 @@
-"""CUDA twin of `melt.reference.rigid`. Sums over a whole component are always float64 (a baseline, not tuned)."""
+"""CUDA twin of `melt.reference.rigid`. Sums over a whole component are float64 (a baseline, not tuned)."""
 
 import numpy as np
 
@@ -8,99 +8,101 @@ from melt.physics.quaternion import rotate
 
 
 @cuda_kernel
-def _rigid_match(
-    position, force, mass, site_particle, site_component, site_cell, lattice, component_centre, component_rest,
-    component_rotation, component_push, component_twist,
-):
+def _sums(position, force, mass, site_particle, site_component, site_cell, dx, centre, rest, push):
+    """Write centre of mass, its rest position and the acceleration of one component."""
     root = cuda.grid(1)
-    if root >= site_component.shape[0]:
+    if root >= site_component.shape[0] or site_component[root] != root:
         return
-    real = type(lattice.spacing)
-    dx = np.float64(lattice.spacing)
-    count = site_component.shape[0]
-    if site_component[root] != root:
-        return
-    p = site_particle[root]
-    x_r, y_r, z_r = position[0, p], position[1, p], position[2, p]
-    M, cx, cy, cz, X0, Y0, Z0, Fx, Fy, Fz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for s in range(root, count):
+    o = site_particle[root]
+    M, cx, cy, cz, X, Y, Z, Fx, Fy, Fz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for s in range(site_component.shape[0]):
         if site_component[s] != root:
             continue
         p = site_particle[s]
         m = np.float64(mass[p])
         M += m
-        cx += m * (position[0, p] - x_r)
-        cy += m * (position[1, p] - y_r)
-        cz += m * (position[2, p] - z_r)
-        X0 += m * (site_cell[0, s] - site_cell[0, root])
-        Y0 += m * (site_cell[1, s] - site_cell[1, root])
-        Z0 += m * (site_cell[2, s] - site_cell[2, root])
+        cx += m * (position[0, p] - position[0, o])
+        cy += m * (position[1, p] - position[1, o])
+        cz += m * (position[2, p] - position[2, o])
+        X += m * (site_cell[0, s] - site_cell[0, root])
+        Y += m * (site_cell[1, s] - site_cell[1, root])
+        Z += m * (site_cell[2, s] - site_cell[2, root])
         Fx += force[0, p]
         Fy += force[1, p]
         Fz += force[2, p]
-    cx, cy, cz, X0, Y0, Z0 = cx / M, cy / M, cz / M, X0 / M, Y0 / M, Z0 / M
+    centre[0, root], centre[1, root], centre[2, root] = cx / M, cy / M, cz / M
+    rest[0, root], rest[1, root], rest[2, root] = X / M * dx, Y / M * dx, Z / M * dx
+    push[0, root], push[1, root], push[2, root] = Fx / M, Fy / M, Fz / M
+
+
+@cuda_kernel
+def _pose(
+    position, force, mass, site_particle, site_component, site_cell, lattice, centre, rest, rotations,
+    twist,
+):
+    """Write rotation and angular acceleration of one component, about its centre."""
+    root = cuda.grid(1)
+    if root >= site_component.shape[0] or site_component[root] != root:
+        return
+    real = type(lattice.spacing)
+    dx = np.float64(lattice.spacing)
+    o = site_particle[root]
     a0, a1, a2, a3, a4, a5, a6, a7, a8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     xx, yy, zz, xy, xz, yz, tx, ty, tz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for s in range(root, count):
+    for s in range(site_component.shape[0]):
         if site_component[s] != root:
             continue
         p = site_particle[s]
         m = np.float64(mass[p])
-        x = (position[0, p] - x_r) - cx
-        y = (position[1, p] - y_r) - cy
-        z = (position[2, p] - z_r) - cz
-        X = (site_cell[0, s] - site_cell[0, root]) - X0
-        Y = (site_cell[1, s] - site_cell[1, root]) - Y0
-        Z = (site_cell[2, s] - site_cell[2, root]) - Z0
-        a0 += m * x * X
-        a1 += m * x * Y
-        a2 += m * x * Z
-        a3 += m * y * X
-        a4 += m * y * Y
-        a5 += m * y * Z
-        a6 += m * z * X
-        a7 += m * z * Y
-        a8 += m * z * Z
-        xx += m * x * x
-        yy += m * y * y
-        zz += m * z * z
-        xy += m * x * y
-        xz += m * x * z
-        yz += m * y * z
+        x = np.float64(position[0, p] - position[0, o]) - centre[0, root]
+        y = np.float64(position[1, p] - position[1, o]) - centre[1, root]
+        z = np.float64(position[2, p] - position[2, o]) - centre[2, root]
+        X = (site_cell[0, s] - site_cell[0, root]) * dx - rest[0, root]
+        Y = (site_cell[1, s] - site_cell[1, root]) * dx - rest[1, root]
+        Z = (site_cell[2, s] - site_cell[2, root]) * dx - rest[2, root]
+        u, v, w = m * x, m * y, m * z
+        a0, a1, a2 = a0 + u * X, a1 + u * Y, a2 + u * Z
+        a3, a4, a5 = a3 + v * X, a4 + v * Y, a5 + v * Z
+        a6, a7, a8 = a6 + w * X, a7 + w * Y, a8 + w * Z
+        xx, yy, zz = xx + u * x, yy + v * y, zz + w * z
+        xy, xz, yz = xy + u * y, xz + u * z, yz + v * z
         tx += y * force[2, p] - z * force[1, p]
         ty += z * force[0, p] - x * force[2, p]
         tz += x * force[1, p] - y * force[0, p]
     q = rotation(
         (real(a0), real(a1), real(a2), real(a3), real(a4), real(a5), real(a6), real(a7), real(a8)),
-        (
-            component_rotation[0, root], component_rotation[1, root], component_rotation[2, root],
-            component_rotation[3, root],
-        ),
+        (rotations[0, root], rotations[1, root], rotations[2, root], rotations[3, root]),
         lattice,
     )
-    for a in range(4):
-        component_rotation[a, root] = q[a]
-    twist = solve_inertia((yy + zz, xx + zz, xx + yy, -xy, -xz, -yz), (tx, ty, tz))
-    component_twist[0, root], component_twist[1, root], component_twist[2, root] = twist
-    component_push[0, root], component_push[1, root], component_push[2, root] = Fx / M, Fy / M, Fz / M
-    component_centre[0, root], component_centre[1, root], component_centre[2, root] = cx, cy, cz
-    component_rest[0, root], component_rest[1, root], component_rest[2, root] = X0 * dx, Y0 * dx, Z0 * dx
+    rotations[0, root], rotations[1, root], rotations[2, root], rotations[3, root] = q
+    twist[0, root], twist[1, root], twist[2, root] = solve_inertia(
+        (yy + zz, xx + zz, xx + yy, -xy, -xz, -yz), (tx, ty, tz)
+    )
 
 
 def rigid_match(
-    position, force, mass, site_particle, site_component, site_cell, lattice, component_centre, component_rest,
+    position, force, mass, site_particle, site_component, site_cell, lattice, component_centre,
+    component_rest,
     component_rotation, component_push, component_twist,
 ):
-    """See `melt.reference.rigid.rigid_match`."""
-    _rigid_match.launch(
-        site_component.shape[0], position, force, mass, site_particle, site_component, site_cell, lattice, component_centre,
-        component_rest, component_rotation, component_push, component_twist,
+    """See `melt.reference.rigid.rigid_match`: one thread per component, its sites in ascending order."""
+    sites = site_component.shape[0]
+    _sums.launch(
+        sites, position, force, mass, site_particle, site_component, site_cell, lattice.spacing,
+        component_centre,
+        component_rest, component_push,
+    )
+    _pose.launch(
+        sites, position, force, mass, site_particle, site_component, site_cell, lattice, component_centre,
+        component_rest,
+        component_rotation, component_twist,
     )
 
 
 @cuda_kernel
 def _rigid_goal(
-    position, mass, site_particle, site_component, site_cell, component_centre, component_rest, component_rotation,
+    position, mass, site_particle, site_component, site_cell, component_centre, component_rest,
+    component_rotation,
     component_push, component_twist, lattice, force, goal,
 ):
     s = cuda.grid(1)
@@ -132,11 +134,13 @@ def _rigid_goal(
 
 
 def rigid_goal(
-    position, mass, site_particle, site_component, site_cell, component_centre, component_rest, component_rotation,
+    position, mass, site_particle, site_component, site_cell, component_centre, component_rest,
+    component_rotation,
     component_push, component_twist, lattice, force, goal,
 ):
     """See `melt.reference.rigid.rigid_goal`."""
     _rigid_goal.launch(
-        site_component.shape[0], position, mass, site_particle, site_component, site_cell, component_centre, component_rest,
+        site_component.shape[0], position, mass, site_particle, site_component, site_cell,
+        component_centre, component_rest,
         component_rotation, component_push, component_twist, lattice, force, goal,
     )

@@ -255,15 +255,15 @@ def rotation(A, q, lattice):
 
 
 @scalar
-def solve_inertia(I, L):
-    """Return omega = I^+ L for a symmetric positive 3x3 matrix (xx, yy, zz, xy, xz, yz).
+def solve_inertia(J, L):
+    """Return omega = J^+ L for a symmetric positive 3x3 matrix (xx, yy, zz, xy, xz, yz).
 
     Axes with an eigenvalue below 1e-8 of the largest (1e-5 in float32, whose rounding hides
     smaller ones) get no spin. By cyclic Jacobi.
     """
-    real = type(I[0])
+    real = type(J[0])
     one, zero = real(1), real(0)
-    a0, a1, a2, a01, a02, a12 = I[0], I[1], I[2], I[3], I[4], I[5]
+    a0, a1, a2, a01, a02, a12 = J[0], J[1], J[2], J[3], J[4], J[5]
     v0, v1, v2 = (one, zero, zero), (zero, one, zero), (zero, zero, one)
     scale = abs(a0) + abs(a1) + abs(a2)
     for _ in range(10):

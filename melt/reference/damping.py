@@ -46,7 +46,8 @@ def region_motion(
 
 
 def damp_velocity(
-    site_particle, site_position, site_velocity, site_region, site_region_count, region_centre, region_velocity,
+    site_particle, site_position, site_velocity, site_region, site_region_count, region_centre,
+    region_velocity,
     region_spin, factor, velocity,
 ):
     """Blend the velocity of solid particles towards the mean of their regions' rigid motions.

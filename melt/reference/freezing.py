@@ -17,7 +17,8 @@ from melt.reference._lattice import offsets, turn
 
 def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
-    neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point, material_freezes_to,
+    neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
+    material_freezes_to,
     lattice, change, freeze_site, freeze_distance,
 ):
     """Write the vacant site that each liquid particle would freeze to, -1 for none.
@@ -63,12 +64,13 @@ def freeze_choice(
 
 
 def freeze_claim(
-    id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count, neighbour_count, neighbour_index,
+    id, freeze_site, freeze_distance, site_particle, site_adjacent, site_link_count, neighbour_count,
+    neighbour_index,
     claim, frozen,
 ):
     """Write the particle that takes each vacant site, -1 for none: the nearest, then the smallest id.
 
-    Reads: id, freeze_site, freeze_distance (n,), site_particle (s,), site_adjacent (s, 27), site_link_count (s,).
+    Reads: id, freeze_site, freeze_distance (n,), site_particle, site_link_count (s,), site_adjacent (s, 27).
     Writes: claim (s,), frozen (64,) counts them, piece by piece of the sites.
     """
     count = len(site_link_count)
@@ -82,7 +84,8 @@ def freeze_claim(
 
 
 def freeze_particles(
-    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass, rest_volume,
+    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
+    rest_volume,
 ):
     """Make solid of the particles that won a site; a liquid particle that had it before forgets it.
 

@@ -23,7 +23,8 @@ def _members(site_component, position, mass, site_particle, site_cell, dx, root)
 
 
 def rigid_match(
-    position, force, mass, site_particle, site_component, site_cell, lattice, component_centre, component_rest,
+    position, force, mass, site_particle, site_component, site_cell, lattice, component_centre,
+    component_rest,
     component_rotation, component_push, component_twist,
 ):
     """Write pose and acceleration of every component.
@@ -34,8 +35,9 @@ def rigid_match(
         relative to that site; component_rotation (4, s); component_push = F / M [m/s^2];
         component_twist = I^+ torque [1/s^2], axes below 1e-8 of the largest moment dropped.
     """
+    dx = float(lattice.spacing)
     for root in np.unique(site_component[site_component >= 0]):
-        _, p, m, d, X = _members(site_component, position, mass, site_particle, site_cell, float(lattice.spacing), root)
+        _, p, m, d, X = _members(site_component, position, mass, site_particle, site_cell, dx, root)
         c, c0 = d @ m / m.sum(), X @ m / m.sum()
         y = d - c[:, None]
         F = force[:, p].astype(np.float64)
@@ -51,7 +53,8 @@ def rigid_match(
 
 
 def rigid_goal(
-    position, mass, site_particle, site_component, site_cell, component_centre, component_rest, component_rotation,
+    position, mass, site_particle, site_component, site_cell, component_centre, component_rest,
+    component_rotation,
     component_push, component_twist, lattice, force, goal,
 ):
     """Write goal displacements R (X0 - c0) + c - x of live sites (0 for others) and rigid forces.

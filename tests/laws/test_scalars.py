@@ -26,6 +26,7 @@ NUMBERS = {
     ("polar.iterative", "A"): 9, ("polar.iterative", "q"): 4, ("polar.rotation", "A"): 9, ("polar.rotation", "q"): 4,
     ("polar._turn4", "p"): 4, ("polar._turn4", "q"): 4, ("polar._turn3", "p"): 3, ("polar._turn3", "q"): 3,
     ("polar._add_if", "total"): 4, ("polar._add_if", "v"): 4, ("polar._add_if", "q"): 4,
+    ("polar.solve_inertia", "J"): 6, ("polar.solve_inertia", "L"): 3,
     ("polar._dot", "a"): 3, ("polar._dot", "b"): 3, ("polar._cross", "a"): 3, ("polar._cross", "b"): 3,
 }
 #: Names above that are reals all the same: an axis-angle or matrix written out, coordinates.

@@ -67,7 +67,9 @@ def test_a_rod_takes_the_rotation_nearest_to_the_last_one(routine, real):
     assert np.abs(R @ axis - now.apply(axis)).max() <= 5 * tolerance(real)
     # the shortest turn that carries the old axis to the new one
     a, b = before.apply(axis), now.apply(axis)
-    shortest = Rotation.from_rotvec(np.cross(a, b) / np.linalg.norm(np.cross(a, b)) * np.arccos(a @ b)) * before
+    shortest = (
+        Rotation.from_rotvec(np.cross(a, b) / np.linalg.norm(np.cross(a, b)) * np.arccos(a @ b)) * before
+    )
     assert np.abs(R - shortest.as_matrix()).max() <= 10 * tolerance(real)
 
 
@@ -128,4 +130,6 @@ def test_spin_of_rods_and_points():
     B = rng.normal(size=(3, 3))
     inertia, omega = B @ B.T + np.eye(3), rng.normal(size=3)
     six = tuple(float(inertia[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
-    assert np.array(solve_inertia(six, tuple(float(v) for v in inertia @ omega))) == pytest.approx(omega, rel=1e-12)
+    assert np.array(solve_inertia(six, tuple(float(v) for v in inertia @ omega))) == pytest.approx(
+        omega, rel=1e-12
+    )

@@ -18,8 +18,17 @@ def lattice(precision="double", **changes):
     """Return the Lattice tuple of the tests: w = 2, Horn's rotation, affected regions refilled."""
     real = np.float64 if precision == "double" else np.float32
     values = dict(
-        width=2, spacing=DX, solid_volume=0, solid_scale=1.0, rotation=1, iterations=30,
-        tolerance=1e-14 if precision == "double" else 1e-8, stiffness=1.0, damping=0.0, refill=2, connect=26,
+        width=2,
+        spacing=DX,
+        solid_volume=0,
+        solid_scale=1.0,
+        rotation=1,
+        iterations=30,
+        tolerance=1e-14 if precision == "double" else 1e-8,
+        stiffness=1.0,
+        damping=0.0,
+        refill=2,
+        connect=26,
     )
     return make(Lattice, real, **{**values, **changes})
 
@@ -33,15 +42,17 @@ def change(precision="double", **changes):
 
 def box(nx, ny, nz, at=(0, 0, 0)):
     """Return the cells (3, n) of a box, in index order (x slowest)."""
-    return np.stack(np.meshgrid(np.arange(nx), np.arange(ny), np.arange(nz), indexing="ij")).reshape(3, -1) + np.array(
-        at
-    ).reshape(3, 1)
+    return np.stack(np.meshgrid(np.arange(nx), np.arange(ny), np.arange(nz), indexing="ij")).reshape(
+        3, -1
+    ) + np.array(at).reshape(3, 1)
 
 
 class Drive:
     """Arrays of solids that stages can be run on: one particle per site, in site order."""
 
-    def __init__(self, cell, body=None, backend="cpu", precision="double", lattice_params=None, change_params=None):
+    def __init__(
+        self, cell, body=None, backend="cpu", precision="double", lattice_params=None, change_params=None
+    ):
         cell = np.asarray(cell).reshape(3, -1)
         n = cell.shape[1]
         self.backend, self.precision = backend, precision
@@ -51,16 +62,35 @@ class Drive:
         self.notes = {}
         w = int(self.lattice.width)
         self.sizes = {
-            "particle": n, "site": n, "link": 27, "region": (2 * w + 1) ** 3, "reduction": 64, "material": 2, "neighbour": 1,
+            "particle": n,
+            "site": n,
+            "link": 27,
+            "region": (2 * w + 1) ** 3,
+            "reduction": 64,
+            "material": 2,
+            "neighbour": 1,
         }
         self.arrays = {}
         body = np.zeros(n, np.int32) if body is None else np.asarray(body, np.int32)
         site = np.arange(n, dtype=np.int32)
         self.set(
-            id=site, phase=np.ones(n), material=np.zeros(n), site=site, position=(cell + 0.5) * DX, mass=np.full(n, 7.2),
-            rest_volume=np.full(n, DX**3), temperature=np.full(n, -10.0), site_particle=site, site_cell=cell, site_rest=cell * DX,
-            site_body=body, material_melting_point=[0.0, np.inf], material_melts_to=[1, 1], material_freezes_to=[-1, 0],
-            material_density=[900.0, 1000.0], **lattice_fields(cell, body, site, int(self.lattice.connect)),
+            id=site,
+            phase=np.ones(n),
+            material=np.zeros(n),
+            site=site,
+            position=(cell + 0.5) * DX,
+            mass=np.full(n, 7.2),
+            rest_volume=np.full(n, DX**3),
+            temperature=np.full(n, -10.0),
+            site_particle=site,
+            site_cell=cell,
+            site_rest=cell * DX,
+            site_body=body,
+            material_melting_point=[0.0, np.inf],
+            material_melts_to=[1, 1],
+            material_freezes_to=[-1, 0],
+            material_density=[900.0, 1000.0],
+            **lattice_fields(cell, body, site, int(self.lattice.connect)),
         )
 
     def set(self, **arrays):

@@ -40,11 +40,20 @@ def world(backend, solid, vacant, water, precision="double", body=None, **params
     body = np.zeros(n + v, np.int32) if body is None else np.asarray(body, np.int32)
     sites = np.concatenate([np.arange(n), np.full(v, -1)]).astype(np.int32)
     do.set(
-        id=np.arange(n + w)[::-1], phase=np.repeat([1, 0], [n, w]), material=np.repeat([0, 1], [n, w]),
-        site=np.concatenate([np.arange(n), np.full(w, WATER)]), position=(np.hstack([solid, water]) + 0.5) * DX,
-        velocity=np.zeros((3, n + w)), mass=np.repeat([7.2, 8.0], [n, w]), rest_volume=np.full(n + w, DX**3),
-        temperature=np.repeat([-10.0, -0.5], [n, w]), site_particle=sites, site_cell=cell, site_rest=cell * DX,
-        site_body=body, **lattice_fields(cell, body, sites, int(do.lattice.connect)),
+        id=np.arange(n + w)[::-1],
+        phase=np.repeat([1, 0], [n, w]),
+        material=np.repeat([0, 1], [n, w]),
+        site=np.concatenate([np.arange(n), np.full(w, WATER)]),
+        position=(np.hstack([solid, water]) + 0.5) * DX,
+        velocity=np.zeros((3, n + w)),
+        mass=np.repeat([7.2, 8.0], [n, w]),
+        rest_volume=np.full(n + w, DX**3),
+        temperature=np.repeat([-10.0, -0.5], [n, w]),
+        site_particle=sites,
+        site_cell=cell,
+        site_rest=cell * DX,
+        site_body=body,
+        **lattice_fields(cell, body, sites, int(do.lattice.connect)),
     )
     build_lattice(do)
     do.region_match()
@@ -58,7 +67,8 @@ def check_lattice(do):
     fresh.sizes["particle"] = do.sizes["particle"]
     live = np.where(do["site_link_count"] > 0, do["site_particle"], -1)
     fresh.set(
-        mass=do["mass"], site_particle=live,
+        mass=do["mass"],
+        site_particle=live,
         **lattice_fields(do["site_cell"], do["site_body"], live, int(do.lattice.connect)),
     )
     build_lattice(fresh)
@@ -99,10 +109,18 @@ def test_equal_distances_go_to_the_smaller_id_and_site(backend):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("case", ["warm", "exactly cold enough", "fast", "never freezes", "latent left", "all given off"])
+@pytest.mark.parametrize(
+    "case", ["warm", "exactly cold enough", "fast", "never freezes", "latent left", "all given off"]
+)
 def test_conditions(backend, case):
     latent = case in ("latent left", "all given off")
-    do = world(backend, box(2, 1, 1), [[2], [0], [0]], [[2.1], [0], [0]], change_params=change(latent=int(latent), speed=1.0))
+    do = world(
+        backend,
+        box(2, 1, 1),
+        [[2], [0], [0]],
+        [[2.1], [0], [0]],
+        change_params=change(latent=int(latent), speed=1.0),
+    )
     t = {"warm": np.nextafter(-0.5, 0), "latent left": 0.0, "all given off": 0.0}.get(case, -0.5)
     do.set(temperature=[-10, -10, t], latent_energy=[0, 0, 1.0 if case == "latent left" else 0.0])
     if case == "fast":
@@ -117,7 +135,9 @@ def test_conditions(backend, case):
 def test_ambient_liquid_gets_the_mass_of_the_solid(backend):
     do = world(backend, box(2, 1, 1), [[2], [0], [0]], [[2.1], [0], [0]], change_params=change(own_liquid=0))
     freeze(do)
-    assert do["mass"][2] == pytest.approx(900 * DX**3, rel=1e-14) and do["rest_volume"][2] == pytest.approx(DX**3)
+    assert do["mass"][2] == pytest.approx(900 * DX**3, rel=1e-14) and do["rest_volume"][2] == pytest.approx(
+        DX**3
+    )
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -152,7 +172,9 @@ def test_melt_and_freeze_again_restores_the_lattice():
     do = Drive(box(4, 4, 4))
     build_lattice(do)
     do.region_match()
-    before = {n: do[n].copy() for n in ("site_links", "site_region", "region_rest", "mass", "material", "phase")}
+    before = {
+        n: do[n].copy() for n in ("site_links", "site_region", "region_rest", "mass", "material", "phase")
+    }
     rng = np.random.default_rng(3)
     gone = np.flatnonzero(rng.random(64) < 0.3)
     do.heat(gone)
@@ -171,7 +193,9 @@ def test_melt_and_freeze_again_restores_the_lattice():
     do.set(temperature=np.full(64, -0.5))
     freeze(do)
     for name, value in before.items():
-        assert np.array_equal(do[name], value) if value.dtype.kind == "i" else do[name] == pytest.approx(value), name
+        assert (
+            np.array_equal(do[name], value) if value.dtype.kind == "i" else do[name] == pytest.approx(value)
+        ), name
     check_lattice(do)
 
 
@@ -201,8 +225,13 @@ def test_random_freezing_on_every_backend(connect, refill):
     runs = []
     for backend in BACKENDS:
         for w in (1, 2):
-            do = world(backend, cells[:, kind == 0], cells[:, kind > 0], water,
-                       lattice_params=lattice(connect=connect, refill=refill, width=w))
+            do = world(
+                backend,
+                cells[:, kind == 0],
+                cells[:, kind > 0],
+                water,
+                lattice_params=lattice(connect=connect, refill=refill, width=w),
+            )
             freeze(do)
             runs.append(do)
             assert do.notes["frozen"] > 5

@@ -12,8 +12,14 @@ from melt.systems.topology import build_lattice, melt_and_relink
 BACKENDS = ["reference", "cpu", "cuda"]
 SCALES = {"spacing": DX, "one": 1.0, "speed": 1.0, "rate": 1 / DX, "mass": 1.0}
 SHAPES = {
-    "one": box(1, 1, 1), "pair": box(2, 1, 1), "corner pair": np.array([[0, 1], [0, 1], [0, 1]]), "rod": box(1, 7, 1),
-    "diagonal rod": np.tile(np.arange(6), (3, 1)), "plate": box(5, 1, 4), "cube": box(4, 4, 4), "bar": box(9, 2, 2),
+    "one": box(1, 1, 1),
+    "pair": box(2, 1, 1),
+    "corner pair": np.array([[0, 1], [0, 1], [0, 1]]),
+    "rod": box(1, 7, 1),
+    "diagonal rod": np.tile(np.arange(6), (3, 1)),
+    "plate": box(5, 1, 4),
+    "cube": box(4, 4, 4),
+    "bar": box(9, 2, 2),
     "three": np.array([[0, 1, 1], [0, 0, 1], [0, 0, 0]]),
 }
 
@@ -72,7 +78,9 @@ def test_equivariance_and_momentum(backend, rotation):
     rng = np.random.default_rng(9)
     cell = box(5, 4, 4)
     cell = cell[:, rng.random(cell.shape[1]) < 0.8]
-    do = built(cell, backend, mass=rng.uniform(1, 8, cell.shape[1]), lattice_params=lattice(rotation=rotation))
+    do = built(
+        cell, backend, mass=rng.uniform(1, 8, cell.shape[1]), lattice_params=lattice(rotation=rotation)
+    )
     do.heat(np.flatnonzero(rng.random(cell.shape[1]) < 0.2))
     melt_and_relink(do)
     live = do["site_link_count"] > 0
@@ -113,7 +121,13 @@ def test_backends_agree(precision, rotation):
         mass, noise, v = rng.uniform(1, 8, n), rng.normal(size=(3, n)) * 0.05 * DX, rng.normal(size=(3, n))
         runs = []
         for backend in BACKENDS:
-            do = built(cell, backend, precision=precision, mass=mass, lattice_params=lattice(precision, rotation=rotation, width=w))
+            do = built(
+                cell,
+                backend,
+                precision=precision,
+                mass=mass,
+                lattice_params=lattice(precision, rotation=rotation, width=w),
+            )
             do.heat(np.arange(0, n - 3, 7))
             melt_and_relink(do)
             do.set(position=do["position"] + noise, velocity=v)
@@ -122,8 +136,10 @@ def test_backends_agree(precision, rotation):
             do.damp_velocity(factor=0.3)
             runs.append(do)
         for stage, fields in (
-            ("region_match", ["site_position", "region_mean", "region_shift", "region_rotation"]), ("goal", ["goal"]),
-            ("region_motion", ["site_velocity", "region_centre", "region_velocity", "region_spin"]), ("damp_velocity", ["velocity"]),
+            ("region_match", ["site_position", "region_mean", "region_shift", "region_rotation"]),
+            ("goal", ["goal"]),
+            ("region_motion", ["site_velocity", "region_centre", "region_velocity", "region_spin"]),
+            ("damp_velocity", ["velocity"]),
         ):
             for do in runs[1:]:
                 for field in fields:
@@ -166,7 +182,12 @@ def test_v16_a_free_cube_spins_on(backend):
 def test_broken_bodies_recover(how, rotation):
     do = built(box(4, 3, 3), lattice_params=lattice(rotation=rotation))
     x = do["position"].copy()
-    factors = {"mirrored": [-1, 1, 1], "flattened": [1, 1, 0], "collapsed to a line": [1, 0, 0], "collapsed to a point": [0, 0, 0]}
+    factors = {
+        "mirrored": [-1, 1, 1],
+        "flattened": [1, 1, 0],
+        "collapsed to a line": [1, 0, 0],
+        "collapsed to a point": [0, 0, 0],
+    }
     x = x * np.reshape(factors[how], (3, 1)) + np.random.default_rng(12).normal(size=x.shape) * 1e-3 * DX
     for _ in range(50):
         do.set(position=x)
@@ -175,7 +196,10 @@ def test_broken_bodies_recover(how, rotation):
     do.set(position=x)
     assert np.abs(match(do)).max() < 1e-3 * DX
     rest = (box(4, 3, 3) + 0.5) * DX
-    spread = np.linalg.svd(x - x.mean(axis=1, keepdims=True))[1] / np.linalg.svd(rest - rest.mean(axis=1, keepdims=True))[1]
+    spread = (
+        np.linalg.svd(x - x.mean(axis=1, keepdims=True))[1]
+        / np.linalg.svd(rest - rest.mean(axis=1, keepdims=True))[1]
+    )
     assert np.abs(spread - 1).max() < 1e-2
 
 

@@ -20,7 +20,9 @@ def emulated(monkeypatch):
 def built(cell, backend, body=None, precision="double", **kwargs):
     do = Drive(cell, body, backend=backend, precision=precision, **kwargs)
     rng = np.random.default_rng(1)
-    do.set(mass=rng.uniform(1, 3, do.sizes["particle"]), force=rng.normal(size=(3, do.sizes["particle"])) * 100)
+    do.set(
+        mass=rng.uniform(1, 3, do.sizes["particle"]), force=rng.normal(size=(3, do.sizes["particle"])) * 100
+    )
     build_lattice(do)
     return do
 
@@ -58,7 +60,9 @@ def test_uniform_gravity_on_two_components(backend):
     do.rigid_match()
     roots = np.unique(do["site_component"])
     assert roots.tolist() == [0, 8]
-    assert do["component_push"][:, roots] == pytest.approx(np.array([[0.0, 0.0], [0.0, 0.0], [-9.81, -9.81]]), abs=1e-12)
+    assert do["component_push"][:, roots] == pytest.approx(
+        np.array([[0.0, 0.0], [0.0, 0.0], [-9.81, -9.81]]), abs=1e-12
+    )
     assert do["component_twist"][:, roots] == pytest.approx(np.zeros((3, 2)), abs=1e-11)
 
 
@@ -68,7 +72,9 @@ def test_backends_agree_after_a_split(precision, rotation):
     scales = {"spacing": DX, "one": 1.0, "force": 100.0, "acceleration": 100.0, "rate2": 100.0}
     runs = []
     for backend in BACKENDS:
-        do = built(box(7, 3, 3), backend, precision=precision, lattice_params=lattice(precision, rotation=rotation))
+        do = built(
+            box(7, 3, 3), backend, precision=precision, lattice_params=lattice(precision, rotation=rotation)
+        )
         do.heat(np.flatnonzero(do["site_cell"][0] == 3))
         melt_and_relink(do)
         do.heat(np.flatnonzero(do["site_cell"][0] == 3))
@@ -80,7 +86,16 @@ def test_backends_agree_after_a_split(precision, rotation):
         runs.append(do)
     for do in runs[1:]:
         for stage, fields in (
-            ("rigid_match", ["component_centre", "component_rest", "component_rotation", "component_push", "component_twist"]),
+            (
+                "rigid_match",
+                [
+                    "component_centre",
+                    "component_rest",
+                    "component_rotation",
+                    "component_push",
+                    "component_twist",
+                ],
+            ),
             ("rigid_goal", ["force", "goal"]),
         ):
             for field in fields:

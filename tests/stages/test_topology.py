@@ -33,7 +33,35 @@ def test_a_counts_of_a_small_cube(backend):
     n = do["site_link_count"]
     assert sorted(n.tolist()) == [8] * 8 + [12] * 12 + [18] * 6 + [27] and n[13] == 27
     melt(do, [0])
-    counts = [0, 11, 8, 11, 17, 12, 8, 12, 8, 11, 17, 12, 17, 26, 18, 12, 18, 12, 8, 12, 8, 12, 18, 12, 8, 12, 8]
+    counts = [
+        0,
+        11,
+        8,
+        11,
+        17,
+        12,
+        8,
+        12,
+        8,
+        11,
+        17,
+        12,
+        17,
+        26,
+        18,
+        12,
+        18,
+        12,
+        8,
+        12,
+        8,
+        12,
+        18,
+        12,
+        8,
+        12,
+        8,
+    ]
     assert do["site_link_count"].tolist() == counts
 
 
@@ -62,7 +90,15 @@ def test_b_filling_round_holes(backend):
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_c_a_chain_splits(backend):
     do = built(backend, [range(7), [0] * 7, [0] * 7])
-    expected = [[0, 1, 2], [0, 1, 2, 3], [0, 1, 2, 3, 4], [1, 2, 3, 4, 5], [2, 3, 4, 5, 6], [3, 4, 5, 6], [4, 5, 6]]
+    expected = [
+        [0, 1, 2],
+        [0, 1, 2, 3],
+        [0, 1, 2, 3, 4],
+        [1, 2, 3, 4, 5],
+        [2, 3, 4, 5, 6],
+        [3, 4, 5, 6],
+        [4, 5, 6],
+    ]
     assert [do.members(s) for s in range(7)] == expected
     melt(do, [3])
     assert [do.members(s) for s in range(7)] == [[0, 1, 2]] * 3 + [[]] + [[4, 5, 6]] * 3
@@ -131,7 +167,8 @@ def test_refilling_equals_search_on_1000_random_bodies():
         connect, w = int(rng.choice([6, 18, 26])), int(rng.integers(0, 4))
         cell, body = random_body(rng, int(rng.integers(2, 6)))
         runs = [
-            built("cpu", cell, body, lattice_params=lattice(width=w, connect=connect, refill=refill)) for refill in (0, 1, 2)
+            built("cpu", cell, body, lattice_params=lattice(width=w, connect=connect, refill=refill))
+            for refill in (0, 1, 2)
         ]
         share = np.full(body.size, 1.0)
         for _ in range(2):
@@ -175,8 +212,17 @@ def test_backends_agree_on_random_bodies(refill, connect):
             do.region_share()
             do.region_rest()
             results.append(do)
-        names = ("melted", "site_melting", "phase", "site_dirty", "site_links", "site_link_count", "site_region",
-                 "site_region_count", "site_component")
+        names = (
+            "melted",
+            "site_melting",
+            "phase",
+            "site_dirty",
+            "site_links",
+            "site_link_count",
+            "site_region",
+            "site_region_count",
+            "site_component",
+        )
         for do in results[1:]:
             for name in names:
                 assert np.array_equal(do[name], results[0][name]), (name, do.backend)
