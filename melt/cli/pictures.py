@@ -16,7 +16,10 @@ def info(path: RunPath):
     """Say what a run file holds: scene, provenance, frames, fields, ledgers."""
     from melt.output.info import describe
 
-    typer.echo(describe(path))
+    facts = describe(path)
+    width = max(len(name) for name, _ in facts)
+    for name, value in facts:
+        typer.echo(f"{name:<{width}}  {value}")
 
 
 @app.command("render")

@@ -167,6 +167,8 @@ def test_run_writes_its_file_and_does_not_replace_it_unasked(cli, small, tmp_pat
             else file["melt"].attrs["scene"]
         )
     assert melt.scene.scene_from_toml(text.decode() if isinstance(text, bytes) else text).scene.name == "drop"
+    told = cli("info", str(out))
+    assert told.exit_code == 0 and any(line.split() == ["scene", "drop"] for line in told.stdout.splitlines())
     before = out.read_bytes()
     again = cli("run", small, "-o", str(out), "--backend", "cpu", "--until", "0.02 s")
     assert again.exit_code == FAILED and "exists already" in again.stderr and out.read_bytes() == before
