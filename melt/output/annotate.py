@@ -13,7 +13,9 @@ INK = (40, 46, 54)
 @functools.lru_cache
 def font(size):
     """Return DejaVu Sans, which comes with matplotlib."""
-    return ImageFont.truetype(str(pathlib.Path(matplotlib.get_data_path()) / "fonts/ttf/DejaVuSans.ttf"), size)
+    return ImageFont.truetype(
+        str(pathlib.Path(matplotlib.get_data_path()) / "fonts/ttf/DejaVuSans.ttf"), size
+    )
 
 
 def pretty(unit):
@@ -28,7 +30,9 @@ def ticks(low, high, count=5):
         return [low]
     step = 10.0 ** np.floor(np.log10(span / count))
     step *= next(m for m in (1, 2, 5, 10) if span / (step * m) <= count)
-    return [float(k * step) for k in range(int(np.ceil(low / step - 1e-9)), int(np.floor(high / step + 1e-9)) + 1)]
+    return [
+        float(k * step) for k in range(int(np.ceil(low / step - 1e-9)), int(np.floor(high / step + 1e-9)) + 1)
+    ]
 
 
 def edges(draw, camera, low, high):
@@ -43,7 +47,9 @@ def edges(draw, camera, low, high):
         for k in range(3):
             b = a ^ (4 >> k)
             if a < b and nearest not in (a, b):
-                draw.line([tuple(pixel[a]), tuple(pixel[b])], fill=(176, 182, 190), width=camera.height // 700 + 1)
+                draw.line(
+                    [tuple(pixel[a]), tuple(pixel[b])], fill=(176, 182, 190), width=camera.height // 700 + 1
+                )
 
 
 def annotate(picture, time, colouring, counts=""):

@@ -5,7 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 #: Directions from the target to the eye, z up.
-VIEWS = {"iso": (0.62, -1.0, 0.52), "side": (0.0, -1.0, 0.10), "top": (0.0, -0.02, 1.0), "front": (1.0, 0.0, 0.10)}
+VIEWS = {
+    "iso": (0.62, -1.0, 0.52),
+    "side": (0.0, -1.0, 0.10),
+    "top": (0.0, -0.02, 1.0),
+    "front": (1.0, 0.0, 0.10),
+}
 FIELD_OF_VIEW = 28.0  # degrees, vertical
 
 

@@ -10,7 +10,14 @@ SPEED = ((0.07, 0.20, 0.55), (0.13, 0.58, 0.83), (0.62, 0.88, 0.93), (0.98, 0.99
 OTHER = ((0.27, 0.00, 0.33), (0.19, 0.41, 0.56), (0.21, 0.72, 0.47), (0.99, 0.91, 0.14))
 #: liquid, solid, wall, bubble, vapour, inactive
 PHASE = np.array(
-    ((0.16, 0.47, 0.84), (0.86, 0.93, 0.98), (0.55, 0.55, 0.57), (0.97, 0.97, 0.99), (0.80, 0.82, 0.86), (0.3, 0.3, 0.3)),
+    (
+        (0.16, 0.47, 0.84),
+        (0.86, 0.93, 0.98),
+        (0.55, 0.55, 0.57),
+        (0.97, 0.97, 0.99),
+        (0.80, 0.82, 0.86),
+        (0.3, 0.3, 0.3),
+    ),
     np.float32,
 )
 
@@ -32,7 +39,9 @@ class Colouring(NamedTuple):
         span = self.high - self.low
         t = np.clip(np.nan_to_num((values - self.low) / (span if span > 0 else 1.0)), 0, 1)
         at = np.linspace(0, 1, len(self.stops))
-        return np.stack([np.interp(t, at, channel) for channel in zip(*self.stops)], axis=-1).astype(np.float32)
+        return np.stack([np.interp(t, at, channel) for channel in zip(*self.stops)], axis=-1).astype(
+            np.float32
+        )
 
 
 def values_of(frame, field):
@@ -49,7 +58,9 @@ def choose(run, field, sample=12):
     Its range is that of the data over up to ``sample`` frames, walls left out.
     """
     has = set(run.fields)
-    field = next((f for f in (field, "temperature") if f in has or (f == "speed" and "velocity" in has)), None)
+    field = next(
+        (f for f in (field, "temperature") if f in has or (f == "speed" and "velocity" in has)), None
+    )
     field = field or ("speed" if "velocity" in has else "phase" if "phase" in has else "position")
     if field == "phase":
         return Colouring("phase", "", 0, 1, ())

@@ -17,9 +17,13 @@ def describe(run_path):
         rows = [("file", f"{run.path}, {_bytes(run.path.stat().st_size)}")]
         rows.append(("scene", _scene_name(run.scene_text)))
         rows += _frames(run)
-        rows.append(("fields", ", ".join(f"{name} [{unit}]" for name, unit in sorted(run.units.items())) or "none"))
-        rows += [(name.replace("_", " "), f"{values[-1]:.6g} {unit}".rstrip(" 1") if len(values) else "")
-                 for name, values, unit in _last_values(run)]
+        rows.append(
+            ("fields", ", ".join(f"{name} [{unit}]" for name, unit in sorted(run.units.items())) or "none")
+        )
+        rows += [
+            (name.replace("_", " "), f"{values[-1]:.6g} {unit}".rstrip(" 1") if len(values) else "")
+            for name, values, unit in _last_values(run)
+        ]
         rows += [(name.replace("_", " "), str(value)) for name, value in run.provenance.items()]
         checkpoint = beside(run.path)
         rows.append(("checkpoint", str(checkpoint.name) if checkpoint.exists() else "none"))

@@ -39,7 +39,9 @@ class Painter:
         low, high = self.bounds = self._bounds()
         if self.spacing is None:
             self.spacing = surface_mesh.spacing_of(self._first())
-        camera = self.camera = cameras.fit(low, high, view, *size, right=0.12 if self.colouring.field != "phase" else 0.0)
+        self.camera = cameras.fit(
+            low, high, view, *size, right=0.12 if self.colouring.field != "phase" else 0.0
+        )
         self._stage = None
 
     def values(self, frame):
@@ -56,7 +58,9 @@ class Painter:
     def _build_stage(self):
         low, high = self.bounds
         stage = Stage(self.camera, low, high, self.spacing)
-        if self.box is not None and np.all(self.box[1] - self.box[0] <= 1.6 * (high - low) + 4 * self.spacing):
+        if self.box is not None and np.all(
+            self.box[1] - self.box[0] <= 1.6 * (high - low) + 4 * self.spacing
+        ):
             canvas = Image.fromarray((stage.backdrop * 255).astype(np.uint8))
             edges(ImageDraw.Draw(canvas), stage.camera, *self.box)
             stage.backdrop = np.asarray(canvas).astype(np.float32) / 255
@@ -80,7 +84,9 @@ class Painter:
         maps = [(self.stage.shadow_map(solid_shapes), 0.75), (self.stage.shadow_map(liquid_shapes), 0.35)]
         if self.surface:
             meshes = mesh_files.surfaces(frame, self.values(frame).astype(np.float64), dx)
-            colour = {kind: self.colouring.rgb(mesh.temperature).reshape(-1, 3) for kind, mesh in meshes.items()}
+            colour = {
+                kind: self.colouring.rgb(mesh.temperature).reshape(-1, 3) for kind, mesh in meshes.items()
+            }
             solid_layer = shade.mesh_layer(meshes["solid"], colour["solid"], camera)
             behind = np.minimum(self.stage.floor_depth, solid_layer.depth)
             liquid_layer = shade.mesh_layer(meshes["liquid"], colour["liquid"], camera, behind)
@@ -116,7 +122,9 @@ class Painter:
         if not np.all(low <= high):
             return np.zeros(3), np.ones(3)
         pad = 0.02 * np.linalg.norm(high - low) + (0.5 * self.spacing if self.spacing else 0)
-        floor = self.box[0][2] if self.box is not None and self.box[0][2] <= low[2] + 2 * pad else low[2] - pad
+        floor = (
+            self.box[0][2] if self.box is not None and self.box[0][2] <= low[2] + 2 * pad else low[2] - pad
+        )
         return np.array([low[0] - pad, low[1] - pad, min(floor, low[2])]), high + pad
 
 
@@ -131,7 +139,9 @@ def _scene_facts(run):
         return None, None
 
 
-def render_frame(run, frame, out_png, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False):
+def render_frame(
+    run, frame, out_png, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False
+):
     """Write one frame as PNG."""
     picture = Painter(run, field, surface, view, size, walls).draw(frame)
     with whole(out_png) as temporary:
@@ -139,8 +149,16 @@ def render_frame(run, frame, out_png, field="temperature", surface=False, view="
 
 
 def render_video(
-    run, out_mp4, fps=25, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False,
-    frames=None, progress=None,
+    run,
+    out_mp4,
+    fps=25,
+    field="temperature",
+    surface=False,
+    view="iso",
+    size=(1280, 720),
+    walls=False,
+    frames=None,
+    progress=None,
 ):
     """Write frames (all unless given) as H.264; Ctrl-C or a failure leaves no file.
 
@@ -153,7 +171,12 @@ def render_video(
     chosen = range(len(run)) if frames is None else list(frames)
     with whole(out_mp4) as temporary:
         writer = imageio_ffmpeg.write_frames(
-            str(temporary), size, fps=fps, codec="libx264", quality=None, macro_block_size=2,
+            str(temporary),
+            size,
+            fps=fps,
+            codec="libx264",
+            quality=None,
+            macro_block_size=2,
             output_params=["-crf", "18", "-preset", "medium", "-movflags", "+faststart", "-f", "mp4"],
         )
         writer.send(None)
@@ -213,5 +236,7 @@ def render(run_path, out, frame=-1, **options):
 
 
 def _number(run, frame):
+    if len(run) == 0:
+        raise OutputError(f"{run.path} has no frame yet: nothing to draw.")
     run.frame(frame, [])  # refuses a frame that is not there
     return frame % len(run)

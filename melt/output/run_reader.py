@@ -71,6 +71,8 @@ class Run:
         Raises:
             RunFileError: there is no such frame or field.
         """
+        if len(self) == 0:
+            raise RunFileError(f"{self.path} has no frame yet.")
         if not -len(self) <= k < len(self):
             raise RunFileError(
                 f"{self.path} has {len(self)} frames; frame {k} is none of them (first 0, last -1)."

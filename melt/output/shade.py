@@ -15,7 +15,9 @@ from melt.output.camera import Camera, look
 
 OVERSAMPLE = 2
 LIGHT = np.array([-0.50, -0.62, 1.15]) / np.linalg.norm([-0.50, -0.62, 1.15])  # towards the light
-SKY, HORIZON, FLOOR = (np.array(c, np.float32) for c in ((0.82, 0.88, 0.94), (0.97, 0.975, 0.98), (0.885, 0.89, 0.90)))
+SKY, HORIZON, FLOOR = (
+    np.array(c, np.float32) for c in ((0.82, 0.88, 0.94), (0.97, 0.975, 0.98), (0.885, 0.89, 0.90))
+)
 _MAP = 1024  # pixels of the shadow map
 
 
@@ -159,7 +161,9 @@ class Stage:
         d = np.where(np.isfinite(d), d, np.float32(1e9))
         near = max(2.0, min(3 * self.spacing * self.camera.focal / s / (2.5 * self.size), 12.0))
         shade = np.zeros_like(d)
-        taps = [(r * np.cos(a), r * np.sin(a)) for r in (near, 2.5 * near) for a in np.arange(4) * np.pi / 4 + r]
+        taps = [
+            (r * np.cos(a), r * np.sin(a)) for r in (near, 2.5 * near) for a in np.arange(4) * np.pi / 4 + r
+        ]
         for x, y in taps:
             one, other = (d - _moved(d, round(k * y), round(k * x)) for k in (1, -1))
             close = (np.abs(one) < reach) & (np.abs(other) < reach)

@@ -31,7 +31,9 @@ def spheres(centre, radius, focal, centre_x, centre_y, depth, index):
             size = max(radius[i] / z * focal, np.float32(0.75))
             for row in range(max(first, int(math.floor(y - size))), min(last, int(math.ceil(y + size)) + 1)):
                 v = (row + np.float32(0.5) - y) / size
-                for column in range(max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)):
+                for column in range(
+                    max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)
+                ):
                     u = (column + np.float32(0.5) - x) / size
                     left = np.float32(1) - u * u - v * v
                     if left <= 0:
@@ -56,7 +58,9 @@ def thickness(centre, radius, focal, centre_x, centre_y, depth, total):
             size = max(radius[i] / z * focal, np.float32(0.75))
             for row in range(max(first, int(math.floor(y - size))), min(last, int(math.ceil(y + size)) + 1)):
                 v = (row + np.float32(0.5) - y) / size
-                for column in range(max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)):
+                for column in range(
+                    max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)
+                ):
                     u = (column + np.float32(0.5) - x) / size
                     left = np.float32(1) - u * u - v * v
                     if left > 0 and z < depth[row, column]:

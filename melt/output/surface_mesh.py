@@ -62,13 +62,19 @@ def reconstruct(
     R = reach * dx
     cells = _Cells(position, temperature, R, max(1, round(reach / node)))
     tuple_ = params.make(
-        params.Reconstruction, np.float32, reach=R, radius=radius * dx, correct=correct,
+        params.Reconstruction,
+        np.float32,
+        reach=R,
+        radius=radius * dx,
+        correct=correct,
         temperature=temperature is not None,
     )
     phi = cells.field(tuple_, dx, backend)
     vertices, faces, normals, _ = marching_cubes(phi, 0.0, gradient_direction="ascent")
     # neighbours of a vertex in float32 nodes: back to metres in float64
-    mesh = Mesh(cells.origin + vertices.astype(np.float64) * cells.step, faces.astype(np.int64), normals, np.zeros(0))
+    mesh = Mesh(
+        cells.origin + vertices.astype(np.float64) * cells.step, faces.astype(np.int64), normals, np.zeros(0)
+    )
     if mesh.volume() < 0:
         mesh = mesh._replace(faces=mesh.faces[:, ::-1])
     T = cells.evaluate(mesh.vertices.T, tuple_, backend)[1] if temperature is not None else np.zeros(0)
@@ -88,7 +94,8 @@ def components(position, temperature=None, spacing=None, bond=1.45, **options):
     pieces = np.split(order, np.cumsum(np.bincount(label, minlength=count))[:-1])
     options = {"correct": False, **options}
     found = (
-        reconstruct(position[p], None if temperature is None else temperature[p], dx, **options) for p in pieces
+        reconstruct(position[p], None if temperature is None else temperature[p], dx, **options)
+        for p in pieces
     )
     return [mesh for mesh in found if len(mesh.faces)]
 
@@ -144,10 +151,20 @@ class _Cells:
         self.cell_start = np.concatenate([[0], np.cumsum(number)]).astype(np.int32)
         self.number = number[:total].reshape(self.counts[::-1]).transpose(2, 1, 0)
         self.position = np.ascontiguousarray(local[order].T)
-        self.temperature = np.zeros(0, np.float32) if temperature is None else temperature[order].astype(np.float32)
+        self.temperature = (
+            np.zeros(0, np.float32) if temperature is None else temperature[order].astype(np.float32)
+        )
         nx, ny, nz = map(int, self.counts)
         self.grid = params.make(
-            params.Grid, np.float32, origin_x=0.0, origin_y=0.0, origin_z=0.0, inverse_cell=1 / R, nx=nx, ny=ny, nz=nz
+            params.Grid,
+            np.float32,
+            origin_x=0.0,
+            origin_y=0.0,
+            origin_z=0.0,
+            inverse_cell=1 / R,
+            nx=nx,
+            ny=ny,
+            nz=nz,
         )
 
     def evaluate(self, points, reconstruction, backend):

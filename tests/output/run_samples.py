@@ -54,3 +54,29 @@ def vtk_frames(path):
             frame[point.GetArrayName(i)] = vtk_to_numpy(point.GetArray(i)).copy()
         frames.append((time, frame))
     return frames
+
+
+def drop_and_cube(path, frames=2, fields=("temperature", "velocity", "material"), phase=True):
+    """Write a run of a hot drop (radius 6 dx, left) and a cube of ice (6 dx, right); return its path."""
+    from melt.output.run_file import RunWriter
+
+    dx = 0.02
+    axis = np.arange(-8, 8) + 0.5
+    grid = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), -1).reshape(-1, 3)
+    drop, cube = grid[(grid**2).sum(axis=1) < 36], grid[np.abs(grid).max(axis=1) < 3]
+    x = np.concatenate([drop, cube + (18, 0, 0)]) * dx
+    kind = np.repeat([0, 1], [len(drop), len(cube)]).astype(np.int32)
+    scene = "[scene]\nname = 'drop'\n[domain]\n"
+    scene += f"lower = [-0.2, -0.2, -0.2]\nupper = [0.5, 0.2, 0.3]\nspacing = {dx}\n"
+    with RunWriter(path, scene, {"melt": "0"}, overwrite=True) as writer:
+        for k in range(frames):
+            frame = {"position": (x + (0, 0, 0.01 * k)).astype(np.float32)}
+            frame |= {"phase": kind} if phase else {}
+            extra = {
+                "temperature": np.where(kind == 0, 80.0, -10.0).astype(np.float32),
+                "velocity": np.tile(x, 1).astype(np.float32),
+                "material": kind.copy(),
+            }
+            frame |= {name: extra[name] for name in fields}
+            writer.append(0.1 * k, frame, {"kinetic_energy": 1.5 * k, "ms/density": 2.0})
+    return path
