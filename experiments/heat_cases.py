@@ -1,0 +1,312 @@
+"""Heat conduction and melting of particles at rest against analytic solutions (melting spec V2-V9).
+
+Every function returns rows (case, truth, measured, tolerance); tolerance is absolute, in the
+unit of the truth. ``size`` scales the cross-section and length: 1 is the full case, tests
+take less. Run all: ``python -m experiments.heat_cases``.
+"""
+
+import csv
+import math
+import pathlib
+import sys
+import time
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import brentq
+from scipy.special import erf, erfc
+
+from experiments.heat_slab import Slab, wall_plane
+from melt import params as P
+
+DATA = pathlib.Path(__file__).parents[1] / "data" / "measured"
+
+
+def halves(solver="pairs_coloured", half_width=12, depth=3.0, conductivity=0.5, dt=0.005, **options):
+    """V2: halves at -1 and +1: T = erf(x / (2 sqrt(alpha t))) at sqrt(alpha t) = ``depth`` dx."""
+    dx, alpha = 0.2, 2 * conductivity
+    steps = round((depth * dx) ** 2 / alpha / dt)
+    length = 2 * math.ceil(8 * depth)
+    middle = length / 2 * dx
+    slab = Slab(
+        (length, 2 * half_width, 2 * half_width), conductivity=(conductivity,), solver=solver,
+        T0=lambda x: np.where(x[0] < middle, -1.0, 1.0), **options,
+    )
+    x, T = slab.step(dt, steps).column("temperature")
+    truth = erf((x - middle) / (2 * math.sqrt(alpha * steps * dt)))
+    limit = {P.L_VISC: 0.005}.get(options.get("laplacian", P.L_VISC), 0.013)
+    limit = 0.035 if options.get("jitter") else limit
+    return [(f"V2 erf {solver}", 0.0, float(np.abs(T - truth).max()), limit)]
+
+
+def same_matrix(solver="pairs_coloured", conductivity=0.5, dt=0.005, steps=72, shape=(40, 4, 4), **options):
+    """V3: against the exact exponential of the same matrix, at sqrt(alpha t) = 3 dx unless told otherwise."""
+    dx, brook = 0.2, options.get("laplacian", P.L_VISC) == P.L_BROOK
+    slab = Slab(shape, conductivity=(conductivity,), solver=solver,
+                T0=lambda x: np.where(x[0] < shape[0] / 2 * dx, -1.0, 1.0), **options)
+    x, T0 = slab.read("position"), slab.read("temperature")
+    h, K, V = 2.5 * dx, conductivity, dx**3
+    r = np.sqrt(((x[:, :, None] - x[:, None, :]) ** 2).sum(axis=0))
+    L = 45 / (math.pi * h**6) * np.maximum(h - r, 0)
+    if brook:  # -2 W'/r of the cubic spline
+        q = np.where(r > 0, r, h) / h
+        L = 96 / (math.pi * h**5) * np.where(q <= 0.5, 2 - 3 * q, np.maximum(1 - q, 0) ** 2 / q)
+    A = 2 * K * V * L
+    np.fill_diagonal(A, 0)
+    A -= np.diag(A.sum(axis=1))
+    truth = expm(A * dt * steps) @ T0
+    error = float(np.abs(slab.step(dt, steps).read("temperature") - truth).max())
+    limit = 2.5e-3 if solver == "cg" else 3.5e-3 if brook else 1.5e-3
+    return [(f"V3 expm {solver}{' L_brook' if brook else ''} Fo {2 * K * dt / dx**2:.3g}", 0.0, error, limit)]
+
+
+def convergence(solver, coarse=8, time=0.32):
+    """V3: halving dt divides the error by 2^order.
+
+    Strang splitting would be of order 2 were each pair exact; eq (4) steps a pair by backward
+    Euler, so the order falls from 1.4 (Fo = 1) to 1, with a far smaller constant than cg's.
+    """
+    errors = [same_matrix(solver, dt=time / n, steps=n, shape=(24, 4, 4))[0][2] for n in (coarse, 2 * coarse)]
+    order = math.log2(errors[0] / errors[1])
+    return [(f"V3 order {solver} Fo {time / coarse / 0.04:.3g}", 1.0, order, 0.06 if solver == "cg" else 0.5)]
+
+
+def contact_temperature(solver="pairs_coloured", half_width=8, steps=180, **options):
+    """V4: ice at -10 against water at 40 degC: 11.27 degC at the interface at once and for good."""
+    dx, half = 1e-3, 24
+    k, rho, c = (0.56, 2.22), (1000.0, 917.0), (4187.0, 2100.0)
+    dt = 0.25 * dx**2 / (k[1] / (rho[1] * c[1]))
+    slab = Slab(
+        (2 * half, 2 * half_width, 2 * half_width), spacing=dx, law="physical", conductivity=k, density=rho,
+        specific_heat=c, latent_heat=(0.0, 0.0), melting_point=(math.inf, math.inf), solver=solver,
+        row=lambda lattice: (lattice[0] < half).astype(int), T0=lambda x: np.where(x[0] < half * dx, -10.0, 40.0), **options,
+    )
+    _, T = slab.step(dt, steps).column("temperature")
+    effusivity = [math.sqrt(a * b * d) for a, b, d in zip(k, rho, c)]
+    truth = (effusivity[0] * 40 + effusivity[1] * -10) / sum(effusivity)
+    # equal flux on both sides of the interface, half a spacing from either layer
+    measured = (k[1] * T[half - 1] + k[0] * T[half]) / sum(k)
+    return [(f"V4 contact temperature {solver}", truth, float(measured), 0.02 * 50)]
+
+
+def ledger(solver="pairs_coloured", steps=10_000, precision="double", shape=(40, 4, 4), **options):
+    """V5: Sum C T + latent energy is constant; without latent heat min T0 <= T <= max T0."""
+    rng = np.random.default_rng(5)
+    slab = Slab(shape, conductivity=(0.3,), T0=lambda x: rng.uniform(-10, 40, x.shape[1]), jitter=0.2, solver=solver,
+                precision=precision, **options)
+    T0 = slab.read("temperature")
+    before, size = slab.energy(), float(np.sum(slab.read("heat_capacity") * np.abs(T0 - T0.mean())))
+    slab.step(0.005, steps)
+    T = slab.read("temperature")
+    outside = max(0.0, float(T.max() - T0.max()), float(T0.min() - T.min()))
+    limit = 1e-12 if precision == "double" else 1e-5
+    name = f"V5 {solver} {precision}" + (" latent" if options.get("latent") else "")
+    rows = [(f"{name}: energy drift", 0.0, abs(slab.energy() - before) / size, limit)]
+    return rows + [(f"{name}: out of bounds [K]", 0.0, outside, 0.0 if solver.startswith("pairs") else limit * 50)]
+
+
+def uniform_end(scene, size=1.0, latent=False, **options):
+    """V6: an insulated mixture ends at the lumped balance; counts and temperatures of F4, F5, F6."""
+    water, solid, hot, cold, plain, icy = {
+        "F4": (35000, 4913, 40.0, -10.0, 33.85, 25.8),
+        "F5": (48500, 12000, 80.0, -20.0, 60.17, 48.6),
+        "F6": (40500, 20000, 100.0, -10.0, 63.64, 42.4),
+    }[scene]
+    n = round((size * (water + solid)) ** (1 / 3))
+    total = n**3
+    ice = round(total * solid / (water + solid))
+    where = np.random.default_rng(6).permutation(total)
+    frozen = np.zeros(total, bool)
+    frozen[where[:ice]] = True
+    ice_mass, c, L = 0.917, (4187.0, 2050.0), 334e3
+    common = dict(T0=lambda x: np.where(frozen, cold, hot), solver="cg", row=lambda lattice: frozen.astype(int))
+    if latent:
+        common |= dict(
+            law="physical", spacing=1e-3, conductivity=(0.56, 2.22), specific_heat=c, density=(1000.0, 917.0),
+            latent_heat=(0.0, L), melting_point=(math.inf, 0.0), latent=True, phase=lambda lattice: frozen.astype(int),
+        )
+        truth = ((total - ice) * hot * c[0] - ice * ice_mass * (L - cold * c[1])) / (c[0] * (total - ice + ice_mass * ice))
+    else:
+        common |= dict(conductivity=(0.5, 0.5), specific_heat=(1.0, 1.0), density=(1.0, 1.0),
+                       latent_heat=(0.0, 0.0), melting_point=(math.inf, math.inf))
+        truth = ((total - ice) * hot + ice * cold) / total
+    slab = Slab((n, n, n), **common, **options)
+    dt = (2.0 if latent else 20.0) * slab.spacing**2 / slab.alpha
+    for _ in range(100):
+        slab.step(dt, 4)
+        T = slab.read("temperature")
+        if np.ptp(T) < 1e-7:
+            break
+    published = icy if latent else plain
+    name = f"V6 {scene}" + (" with latent heat" if latent else "")
+    return [(f"{name}: mean", truth, float(T.mean()), 1e-6 * abs(truth)), (f"{name}: spread", 0.0, float(np.ptp(T)), 1e-6),
+            (f"{name}: published", published, float(T.mean()), 0.15 if size == 1.0 else 0.5)]
+
+
+def melt_depth(hot=40.0, cold=-10.0, times=(0.5, 1.0, 2.0, 4.0), half_width=10, solver="pairs_coloured", **options):
+    """V7: where T = 0 stands without latent heat, same K: 2 erfinv(T_mean/T_half) sqrt(alpha t)."""
+    from scipy.special import erfinv
+
+    dx, K, dt = 0.2, 0.3, 0.005
+    half = math.ceil(5 * math.sqrt(2 * K * max(times)) / dx)
+    slab = Slab((2 * half, 2 * half_width, 2 * half_width), conductivity=(K,), solver=solver,
+                T0=lambda x: np.where(x[0] < half * dx, cold, hot), **options)
+    factor = 2 * erfinv((hot + cold) / (hot - cold))
+    rows, now = [], 0.0
+    for t in times:
+        slab.step(dt, round((t - now) / dt))
+        now = t
+        x, T = slab.column("temperature")
+        depth = half * dx - float(np.interp(0.0, T, x))
+        rows.append((f"V7 {hot:g}/{cold:g} degC at {t:g} s [dx]", factor * math.sqrt(2 * K * t) / dx, depth / dx, 1.0))
+    return rows
+
+
+def neumann_one_phase(stefan):
+    """Return lambda of lambda exp(lambda^2) erf(lambda) = St / sqrt(pi)."""
+    return brentq(lambda a: a * math.exp(a * a) * erf(a) - stefan / math.sqrt(math.pi), 1e-6, 3)
+
+
+def neumann_two_phase(stefan_liquid, stefan_solid, ratio_k=1.0, ratio_alpha=1.0):
+    """Return lambda of the two-phase front; ratios are solid over liquid. Front s = 2 lambda sqrt(alpha_l t)."""
+    nu = math.sqrt(1 / ratio_alpha)  # sqrt(alpha_l / alpha_s)
+
+    def balance(a):
+        # heat from the liquid, less heat into the solid, melts: in units of rho L sqrt(alpha_l / t)
+        liquid = stefan_liquid * math.exp(-a * a) / erf(a)
+        solid = stefan_solid * math.exp(-((nu * a) ** 2)) / (erfc(nu * a)) / nu
+        return liquid - solid * ratio_alpha**0 - a * math.sqrt(math.pi)
+
+    return brentq(balance, 1e-6, 3)
+
+
+def front_of(x, latent, capacity, spacing):
+    """Return how deep has melted: the latent energy of a column over that of one layer."""
+    return float(np.sum(latent / capacity)) * spacing
+
+
+def stefan(number, layers=10, half_width=None, fourier=0.4, solver="pairs_coloured", dx=0.2, K=0.5, **options):
+    """V8: one phase, solid at its melting point, wall at 1: s = 2 lambda sqrt(alpha t) at s = ``layers`` dx."""
+    lam = neumann_one_phase(number)
+    alpha, dt = 2 * K, fourier * dx**2 / (2 * K)
+    half_width = half_width or math.ceil(1.2 * layers)
+    slab = Slab(
+        (math.ceil(1.4 * layers) + 4, 2 * half_width, 2 * half_width), spacing=dx, conductivity=(K, K), latent=True,
+        specific_heat=(1.0, 1.0), density=(1.0, 1.0), latent_heat=(0.0, 1.0 / number), melting_point=(math.inf, 0.0),
+        phase=lambda lattice: np.ones(lattice.shape[1], int), row=lambda lattice: np.ones(lattice.shape[1], int),
+        walls=3, wall_temperature=1.0, T0=lambda x: np.zeros(x.shape[1]), solver=solver, **options,
+    )
+    plane = wall_plane() * dx
+    t = ((layers * dx - plane) / (2 * lam)) ** 2 / alpha
+    steps = round(t / dt)
+    slab.step(dt, steps)
+    x, e, L = slab.column("latent_energy", "latent_capacity")
+    measured = front_of(x, e, L, dx) - plane
+    truth = 2 * lam * math.sqrt(alpha * steps * dt)
+    return [(f"V8 St {number:g} at s = {layers} dx {solver}", 1.0, measured / truth, 0.01)]
+
+
+def two_phase(hot, cold, layers=10, half_width=None, fourier=0.4, solver="pairs_coloured", equal=None, **options):
+    """V9: two phases; ``equal`` = (St_l, St_s) with equal properties, else real ice and water."""
+    if equal:
+        dx, k, c, law, L, rho = 0.2, (0.5, 0.5), (1.0, 1.0), "paper", 1.0, (1.0, 1.0)
+        hot, cold = equal[0], -equal[1]
+        lam, alpha = neumann_two_phase(*equal), 1.0
+        fastest = 1.0
+    else:
+        dx, k, c, law, L, rho = 1e-3, (0.56, 2.22), (4187.0, 2050.0), "physical", 334e3, (1000.0, 1000.0)
+        alpha, fastest = k[0] / (rho[0] * c[0]), k[1] / (rho[1] * c[1])
+        lam = neumann_ice(hot, -cold)
+    dt = fourier * dx**2 / fastest
+    plane = wall_plane() * dx
+    t = ((layers * dx - plane) / (2 * lam)) ** 2 / alpha
+    reach = math.ceil((layers * dx + 4 * math.sqrt(fastest * t)) / dx)
+    half_width = half_width or math.ceil(1.2 * layers)
+    slab = Slab(
+        (reach, 2 * half_width, 2 * half_width), spacing=dx, law=law, conductivity=k, specific_heat=c, density=rho,
+        latent_heat=(0.0, L), melting_point=(math.inf, 0.0), latent=True, walls=3, wall_temperature=hot,
+        phase=lambda lattice: np.ones(lattice.shape[1], int), row=lambda lattice: (lattice[0] >= 0).astype(int),
+        T0=lambda x: np.full(x.shape[1], cold), solver=solver, **options,
+    )
+    steps = round(t / dt)
+    slab.step(dt, steps)
+    x, e, top = slab.column("latent_energy", "latent_capacity")
+    truth = 2 * lam * math.sqrt(alpha * steps * dt)
+    return [(f"V9 {hot:g}/{cold:g} s = {layers} dx {solver}", 1.0, (front_of(x, e, top, dx) - plane) / truth, 0.015)]
+
+
+def neumann_ice(hot, below):
+    """Return lambda of the melting front of ice ``below`` K under its melting point, water ``hot`` degC at the wall."""
+    k_l, k_s, c_l, c_s, L = 0.56, 2.22, 4187.0, 2050.0, 334e3
+    nu = math.sqrt((k_l / c_l) / (k_s / c_s))
+
+    def balance(a):
+        liquid = c_l * hot / L * math.exp(-a * a) / erf(a)
+        solid = (k_s / k_l) * nu * c_l * below / L * math.exp(-((nu * a) ** 2)) / erfc(nu * a)
+        return liquid - solid - a * math.sqrt(math.pi)
+
+    return brentq(balance, 1e-6, 3)
+
+
+def gallium(layers=60, half_width=10, fourier=0.45, solver="pairs_coloured", **options):
+    """Gau & Viskanta 1986, conduction phase: gallium against a wall at 38 degC, initially at 28.3 degC."""
+    k, rho, c, L, T_m, width = 32.0, 6093.0, 381.5, 80160.0, 29.78, 0.0889
+    dx = width / layers
+    depth = layers // 2
+    plane = wall_plane() * dx
+    slab = Slab(
+        (depth, 2 * half_width, 2 * half_width), spacing=dx, law="physical", conductivity=(k, k), specific_heat=(c, c),
+        density=(rho, rho), latent_heat=(0.0, L), melting_point=(math.inf, T_m), latent=True, walls=3, wall_temperature=38.0,
+        phase=lambda lattice: np.ones(lattice.shape[1], int), row=lambda lattice: np.ones(lattice.shape[1], int),
+        T0=lambda x: np.full(x.shape[1], 28.3), solver=solver, **options,
+    )
+    dt, now, rows = fourier * dx**2 / (k / (rho * c)), 0.0, []
+    with open(DATA / "gallium_melted_fraction.csv", encoding="utf-8") as file:
+        measured = [{key: float(v) for key, v in row.items()} for row in csv.DictReader(file)]
+    for point in measured:
+        t = 60 * point["minutes"]
+        slab.step((t - now) / math.ceil((t - now) / dt), math.ceil((t - now) / dt))
+        now = t
+        x, e, top = slab.column("latent_energy", "latent_capacity")
+        fraction = (front_of(x, e, top, dx) - plane) / width
+        name = f"gallium melted fraction at {point['minutes']:g} min"
+        rows.append((f"{name}: experiment", point["melted_fraction"], fraction, 0.03))
+        rows.append((f"{name}: one-phase Neumann", point["neumann_one_phase"], fraction, 0.03))
+    return rows
+
+
+def cases():
+    """Return the functions of all cases, smallest first."""
+    return [
+        *[lambda s=s: same_matrix(s) for s in ("pairs_coloured", "pairs_seq", "cg")],
+        lambda: same_matrix(laplacian=P.L_BROOK),
+        *[lambda s=s, n=n: convergence(s, n) for s in ("pairs_coloured", "pairs_seq", "cg") for n in (8, 64)],
+        contact_temperature,
+        *[lambda s=s, p=p: ledger(s, precision=p) for s in ("pairs_coloured", "cg") for p in ("double", "single")],
+        halves, lambda: halves("cg"), lambda: halves(laplacian=P.L_BROOK), lambda: halves(jitter=0.2),
+        lambda: halves(precision="single"),
+        *[lambda f=f, w=w: uniform_end(f, latent=w) for w in (False, True) for f in ("F4", "F5", "F6")],
+        *[lambda T=T: melt_depth(*T) for T in ((40.0, -10.0), (80.0, -20.0), (100.0, -10.0))],
+        gallium,
+        *[lambda n=n: stefan(n) for n in (2.0, 1.0, 0.5, 0.25, 0.1)],
+        lambda: two_phase(0, 0, equal=(1.0, 0.25)), lambda: two_phase(0, 0, equal=(0.5, 0.125)),
+        lambda: two_phase(40.0, -10.0), lambda: two_phase(80.0, -20.0), lambda: two_phase(100.0, -10.0),
+    ]
+
+
+def main():
+    """Print every row with its verdict and time."""
+    bad = 0
+    for case in cases():
+        start = time.perf_counter()
+        for name, truth, measured, tolerance in case():
+            passed = abs(measured - truth) <= tolerance
+            bad += not passed
+            print(f"{'ok  ' if passed else 'FAIL'} {name:48s} truth {truth:.6g} measured {measured:.6g} "
+                  f"tolerance {tolerance:.2g}", flush=True)
+        print(f"     ({time.perf_counter() - start:.1f} s)", flush=True)
+    return bad
+
+
+if __name__ == "__main__":
+    sys.exit(1 if main() else 0)

@@ -1,0 +1,85 @@
+"""Small versions of the heat cases V2-V9; `experiments.heat_cases` holds the full ones."""
+
+import numpy as np
+import pytest
+
+from experiments import heat_cases as cases
+from experiments.heat_slab import wall_plane
+from melt import params as P
+
+
+def check(rows):
+    for name, truth, measured, tolerance in rows:
+        assert abs(measured - truth) <= tolerance, f"{name}: truth {truth}, measured {measured}"
+
+
+def test_published_roots():
+    roots = [cases.neumann_one_phase(s) for s in (0.1, 0.25, 0.5, 1, 2)]
+    assert roots == pytest.approx([0.220016, 0.340082, 0.464786, 0.620063, 0.800601], abs=1e-6)
+    assert cases.neumann_two_phase(1, 0.25) == pytest.approx(0.534587, abs=1e-6)
+    assert cases.neumann_two_phase(0.5, 0.125) == pytest.approx(0.420557, abs=1e-6)
+    roots = [cases.neumann_ice(40, 10), cases.neumann_ice(80, 20), cases.neumann_ice(100, 10)]
+    assert roots == pytest.approx([0.41789, 0.53371, 0.63138], abs=1e-5)
+
+
+def test_plane_of_a_fixed_wall():
+    # between the first two layers of the wall: the profile is straight beyond the reach of the support
+    assert -1.0 < wall_plane() < -0.5
+
+
+@pytest.mark.parametrize("solver", ("pairs_coloured", "cg"))
+def test_v2_halves(solver):
+    check(cases.halves(solver, half_width=9))
+
+
+@pytest.mark.parametrize("solver", ("pairs_coloured", "pairs_seq", "cg"))
+def test_v3_exact_exponential(solver):
+    check(cases.same_matrix(solver))
+
+
+def test_v3_brookshaw():
+    check(cases.same_matrix(laplacian=P.L_BROOK))
+
+
+@pytest.mark.parametrize("solver", ("pairs_seq", "cg"))
+def test_v3_order(solver):
+    check(cases.convergence(solver, 16))
+
+
+def test_v4_contact_temperature():
+    check(cases.contact_temperature(half_width=6, steps=100))
+
+
+LATENT = dict(latent=True, latent_heat=(20.0,), melting_point=(5.0,), phase=lambda k: np.ones(k.shape[1], int))
+
+
+@pytest.mark.parametrize("precision", ("double", "single"))
+@pytest.mark.parametrize("solver", ("pairs_coloured", "pairs_seq", "cg", "explicit"))
+@pytest.mark.parametrize("options", ({}, LATENT), ids=("plain", "latent"))
+def test_v5_ledger(solver, precision, options):
+    check(cases.ledger(solver, 500, precision, **options))
+
+
+@pytest.mark.parametrize("latent", (False, True))
+@pytest.mark.parametrize("scene", ("F4", "F5", "F6"))
+def test_v6_final_temperature(scene, latent):
+    check(cases.uniform_end(scene, size=0.01, latent=latent))
+
+
+@pytest.mark.parametrize("hot, cold", ((40.0, -10.0), (100.0, -10.0)))
+def test_v7_melt_depth(hot, cold):
+    check(cases.melt_depth(hot, cold, times=(0.25, 0.5), half_width=5))
+
+
+def test_v8_stefan():
+    rows = cases.stefan(1.0, layers=6, half_width=6)
+    check([(name, truth, measured, 0.03) for name, truth, measured, _ in rows])  # 1 % needs s >= 10 dx
+
+
+def test_v9_two_phase():
+    rows = cases.two_phase(0, 0, equal=(1.0, 0.25), layers=5, half_width=5)
+    check([(name, truth, measured, 0.05) for name, truth, measured, _ in rows])  # 1.5 % needs s >= 10 dx
+
+
+def test_gallium_conduction():
+    check(cases.gallium(layers=30, half_width=5))
