@@ -77,3 +77,13 @@ def load(name="auto"):
         raise MeltError(f"backend 'cuda' cannot run here: {obstacle}. Use --backend cpu, or cuda-emulated to check kernels")
     _compile.Kernel.emulated = False
     return Backend("cuda", "cuda", True, reason)
+
+
+def set_threads(threads):
+    """Use this many CPU threads (all that the process may use for None)."""
+    if threads:
+        import numba
+
+        if not 1 <= threads <= numba.config.NUMBA_NUM_THREADS:
+            raise MeltError(f"threads: got {threads}, this process allows 1 to {numba.config.NUMBA_NUM_THREADS}")
+        numba.set_num_threads(threads)

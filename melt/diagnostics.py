@@ -20,7 +20,8 @@ SERIES = {
     "density_error_mean": ("1", "mean of |rho/rho_0 - 1| over compressed liquid particles"),
     "liquid_particles": ("1", ""),
     "solid_particles": ("1", ""),
-    "lost_particles": ("1", "left the domain or became inactive after entering"),
+    "lost_particles": ("1", "outside of the domain and its margin, or made inactive there"),
+    "coincident_particles": ("1", "liquid and solid particles at the very place of another particle"),
     "melted_fraction": ("1", "of the particles that were solid at the start"),
     "neighbours_mean": ("1", "over liquid particles"),
     "neighbours_max": ("1", ""),
@@ -58,7 +59,8 @@ def series(do, start):
         "largest_speed": float(np.sqrt((v**2).sum(axis=0).max(initial=0.0))),
         "liquid_particles": int(liquid.sum()),
         "solid_particles": int((phase == SOLID).sum()),
-        "lost_particles": int(do.clock.active - (phase != INACTIVE).sum()),
+        "lost_particles": int(do.clock.active - (phase != INACTIVE).sum()) + outside(x, do.params["domain"]),
+        "coincident_particles": coincident(wide["position"], mobile, phase != INACTIVE),
     }
     values["mass_created"] = values["mass"] - start["mass"] - start["mass_entered"](do.clock)
     if "density" in wide and do.clock.step > 0 and liquid.any():
@@ -79,6 +81,29 @@ _WANTED = (
     "phase position velocity mass volume density neighbour_count offenders "
     "temperature heat_capacity latent_energy"
 ).split()
+
+
+def outside(position, domain):
+    """Return the number of particles (3, n) outside of the box of a `melt.params.Domain`."""
+    lower = np.array([domain.lower_x, domain.lower_y, domain.lower_z], dtype=np.float64)[:, None]
+    upper = np.array([domain.upper_x, domain.upper_y, domain.upper_z], dtype=np.float64)[:, None]
+    return int(((position < lower) | (position > upper)).any(axis=0).sum())
+
+
+def coincident(position, counted, active):
+    """Return how many ``counted`` particles are exactly where another active one is."""
+    bits = (position + 0.0).view(np.uint64)  # 0.0 turns -0 into 0
+    odd = np.array([[0x9E3779B97F4A7C15], [0xC2B2AE3D27D4EB4F], [0x165667B19E3779F9]], dtype=np.uint64)
+    hashed = np.bitwise_xor.reduce(bits * odd, axis=0)
+    there = np.flatnonzero(active)
+    rank = there[np.argsort(hashed[there], kind="stable")]
+    same = hashed[rank[1:]] == hashed[rank[:-1]]
+    # equal places have equal hashes; the few candidates are compared in full
+    some = np.union1d(rank[1:][same], rank[:-1][same])
+    if not some.size:
+        return 0
+    _, place, count = np.unique(position[:, some], axis=1, return_inverse=True, return_counts=True)
+    return int((counted[some] & (count[place.ravel()] > 1)).sum())
 
 
 def _compression(wide, liquid):

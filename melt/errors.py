@@ -13,5 +13,9 @@ class GeometryError(MeltError, ValueError):
     """A shape or mesh cannot be sampled, or bodies stand in each other."""
 
 
+class InputError(MeltError, ValueError):
+    """A value given to the library is not finite, out of range, or too large for the precision."""
+
+
 class UnitError(MeltError, ValueError):
     """A quantity has an unknown unit or one of another kind."""

@@ -16,6 +16,7 @@ from melt.fields import CARRIED, FIELDS
 from melt.physics.phases import LIQUID, SOLID
 from melt.state import REAL, bytes_of
 from melt.systems import melting
+from melt.systems.heat import thermal_substeps
 
 #: Fields every run holds, whatever its stages use: they are written to the run file.
 ALWAYS = ("id", "phase", "material", "position", "velocity", "mass", "rest_volume")
@@ -102,7 +103,7 @@ def settings_of(scene, initial, sound_speed, precision):
         fo = fourier_number(scene, initial)
         chosen.heat_solver = heat.solver
         chosen.fourier_number = fo
-        chosen.heat_substeps = max(1, math.ceil(fo / 0.5)) if heat.substeps == "auto" else heat.substeps
+        chosen.heat_substeps = thermal_substeps(SimpleNamespace(heat_substeps=heat.substeps, fourier_number=fo))
         chosen.heat_tolerance = heat.tolerance or (1e-8 if precision == "double" else 1e-5)
         chosen.heat_iterations = heat.max_iterations
     return chosen

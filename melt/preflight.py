@@ -24,8 +24,13 @@ class Finding(NamedTuple):
     text: str
     fix: str = ""
 
+    @property
+    def advice(self):
+        """The finding and its fix."""
+        return self.text + (f". Fix: {self.fix}" if self.fix else "")
+
     def __str__(self):
-        return f"{self.level}: {self.text}" + (f". Fix: {self.fix}" if self.fix else "")
+        return f"{self.level}: {self.advice}"
 
 
 class Plan(NamedTuple):

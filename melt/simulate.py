@@ -1,5 +1,6 @@
 """Run a scene: the loop around a step page, with frames, checkpoints, ledgers and clean ends."""
 
+import hashlib
 import pathlib
 import signal
 import time
@@ -13,18 +14,15 @@ from melt.bind import Lockstep, Plain, Timed
 from melt.diagnostics import series
 from melt.errors import MeltError
 from melt.fields import FIELDS
+from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
-from melt.physics.phases import BUBBLE, INACTIVE, LIQUID, SOLID, VAPOUR, WALL
+from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
+from melt.preflight import findings
 from melt.scene import load_scene, scene_from_toml
-from melt.stages import STAGES
 from melt.state import State
 from melt.systems import melting
 
-#: Particle fields that are never written to a run file: bookkeeping of the solver.
-_PRIVATE = {
-    "site", "order", "cell", "neighbour_count", "rest_volume", "heat_volume", "offenders", "force", "mass",
-}
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
 BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid")
 
@@ -43,6 +41,7 @@ class Simulation:
     def __init__(self, scene, backend="auto", precision=None, timed=False, lockstep=None, initial=None):
         self.scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
         self.initial = initial or build(self.scene)
+        check_initial(self.initial, precision or self.scene.solver.precision)
         self.prepared = plan.prepare(self.scene, self.initial, precision)
         self.backend = backends.load(backend) if isinstance(backend, str) else backend
         p = self.prepared
@@ -65,7 +64,7 @@ class Simulation:
         for name, values in (("density", self.initial["mass"] / used), ("volume", self.initial["rest_volume"])):
             if name in self.state:
                 self.state.set(name, values)
-        self._timed_from = 0
+        self._timed_from = self._notes_from = 0
         clock = self.do.clock
         clock.active = self.initial.active
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
@@ -93,35 +92,25 @@ class Simulation:
 
         Raises:
             MeltError: the step is not stable, or a value is not finite (what, where, remedy).
+            InputError: dt is not a positive number.
         """
         do, clock = self.do, self.do.clock
         before = clock.time
+        if dt is not None:
+            check_number("dt", dt, above=0)
+        if clock.step == self._notes_from:  # what happened before the last frame was told in it
+            do.notes.clear()
         self.prepared.page(do, dt or self.scene.time.dt)
         # exact multiples of dt: no drift of the output times by rounding
-        clock.time = before + (dt or self.scene.time.dt) if dt else clock.step * self.scene.time.dt
+        clock.time = before + dt if dt else clock.step * self.scene.time.dt
         if not np.isfinite([clock.max_speed, clock.max_acceleration]).all():
-            raise MeltError(self._not_finite())
+            raise MeltError(not_finite(self))
+        if not self.backend.on_device or clock.step % CHECK_EVERY == 0:
+            self.check()
 
-    def _not_finite(self):
-        """Say which field went wrong first, in stage order, and where."""
-        state, clock = self.state, self.do.clock
-        active = state.read("phase") != INACTIVE
-        for stage in self.prepared.stages:
-            for name in STAGES[stage].writes:
-                if name not in state or FIELDS[name].kind == "int" or FIELDS[name].shape[-1] != "particle":
-                    continue
-                bad = ~np.isfinite(state.read(name))
-                bad = (bad if bad.ndim == 1 else bad.any(axis=0)) & active
-                if bad.any():
-                    i = int(np.argmax(bad))
-                    x = state.read("position")[:, i]
-                    return (
-                        f"step {clock.step}, t = {clock.time:.5g} s: field {name} (stage {stage}) is not finite at "
-                        f"particle {int(state.read('id')[i])}, position {np.array2string(x, precision=4)} m, and "
-                        f"{int(bad.sum()) - 1} others. The frames before are kept. Lower time.dt, fix time.n_sub to more "
-                        "sub-steps, or raise fluid.alpha"
-                    )
-        return f"step {clock.step}: speeds are not finite"
+    def check(self):
+        """Raise `MeltError` if a value of a particle is not finite (step, stage, field, particle)."""
+        check_state(self)
 
     def read(self, name):
         """Return a field in order of particle id, as NumPy, component last: (n,) or (n, 3)."""
@@ -135,11 +124,7 @@ class Simulation:
         output = self.scene.output
         phases = [LIQUID, SOLID, BUBBLE, VAPOUR] + ([WALL] if output.walls else [])
         keep = np.isin(self.read("phase"), phases)
-        names = [
-            n for n in self.prepared.fields
-            if FIELDS[n].shape in (("particle",), ("3", "particle")) and n not in _PRIVATE
-            and not n.endswith("_next") and n in _OUTPUT
-        ]
+        names = [n for n in self.prepared.fields if n in _OUTPUT]
         if output.fields != "all":
             names = [n for n in names if n in (*output.fields, "id", "phase", "position")]
         return {n: self.read(n)[keep] for n in names}
@@ -156,30 +141,34 @@ class Simulation:
         return values
 
     def restart_timers(self):
-        """Begin the milliseconds per stage and outer step (``ms/*`` of `series`) anew."""
-        self._timed_from = self.do.clock.step
+        """Begin the milliseconds per stage and outer step (``ms/*`` of `series`), and the notes, anew."""
+        self._timed_from = self._notes_from = self.do.clock.step
         if hasattr(self.do, "seconds"):
             self.do.seconds.clear()
 
     def checkpoint(self):
         """Return (arrays, meta) from which `restore` continues bit-identically."""
         arrays = {n: self.state.read(n) for n in plan.carried(self.prepared)}
-        return arrays, {"clock": vars(self.do.clock), "precision": self.prepared.precision}
+        meta = {"clock": vars(self.do.clock), "precision": self.prepared.precision, "scene": _digest(self.scene)}
+        return arrays, meta
 
     def restore(self, arrays, meta):
-        """Continue from `checkpoint`."""
+        """Continue from `checkpoint`; `MeltError` if it is of another scene."""
+        if meta.get("scene") != _digest(self.scene) or set(arrays) != set(plan.carried(self.prepared)):
+            raise MeltError("the checkpoint belongs to another scene than the run file beside it: start the run afresh")
         for name, values in arrays.items():
             self.state.set(name, values)
         vars(self.do.clock).update(meta["clock"])
+        self.restart_timers()
+
+
+def _digest(scene):
+    return hashlib.sha256(scene.to_toml().encode()).hexdigest()
 
 
 _OUTPUT = {
     "id", "phase", "material", "position", "velocity", "density", "pressure", "temperature", "latent_energy",
 }
-
-
-def _ignore(event, **values):
-    """Take no notice of progress."""
 
 
 def run(
@@ -203,26 +192,30 @@ def run(
     Raises:
         MeltError: bad scene, output that cannot be written, an unstable step.
     """
+    from melt.output import checkpoint
     from melt.output.provenance import provenance
     from melt.output.run_file import RunWriter
 
-    say = progress or _ignore
-    _set_threads(threads)
+    say = progress or (lambda event, **values: None)
+    backends.set_threads(threads)
     scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
+    end = scene.time.end if until is None else check_number("until", until, at_least=0)
     initial = build(scene)
     chosen = backends.load(backend)
     writer = None
     if output is not None:  # before the compiler runs: a bad path must not cost a minute
         facts = provenance(chosen.name, precision or scene.solver.precision, threads)
         writer = RunWriter(output, scene.to_toml(), facts, overwrite=overwrite)
+        checkpoint.beside(output).unlink(missing_ok=True)  # of the run that was replaced
     try:
         say("compile", message="compiling stages (cached for the next run)")
         sim = Simulation(scene, chosen, precision, timed=not chosen.on_device, lockstep=lockstep, initial=initial)
-        for text in (*initial.notes, *sim.prepared.warnings):
-            say("warning", message=text)
+        for finding in findings(scene, initial, sim.prepared):
+            if finding.level == "warning" or finding.text in initial.notes:
+                say("warning", message=finding.advice)
         if writer:
             _append(writer, sim, say)
-        return _loop(sim, writer, say, scene.time.end if until is None else until)
+        return _loop(sim, writer, say, end)
     finally:
         if writer:
             writer.close()
@@ -238,30 +231,23 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     from melt.output.run_file import RunWriter
     from melt.output.run_reader import open_run
 
-    say = progress or _ignore
-    _set_threads(threads)
+    say = progress or (lambda event, **values: None)
+    backends.set_threads(threads)
     past = open_run(path)
     arrays, meta = checkpoint.load(checkpoint.beside(path))
     sim = Simulation(scene_from_toml(past.scene_text), backend or meta["backend"], meta["precision"], timed=True)
+    end = sim.scene.time.end if until is None else check_number("until", until, at_least=0)
     sim.restore(arrays, meta)
     writer = RunWriter.resume(path, frames=int(meta["frames"]))
     try:
         say("resume", message=f"continuing at t = {sim.time:.6g} s with frame {int(meta['frames'])}")
-        return _loop(sim, writer, say, sim.scene.time.end if until is None else until)
+        return _loop(sim, writer, say, end)
     finally:
         writer.close()
 
 
-def _set_threads(threads):
-    if threads:
-        import numba
-
-        if not 1 <= threads <= numba.config.NUMBA_NUM_THREADS:
-            raise MeltError(f"threads: got {threads}, this process allows 1 to {numba.config.NUMBA_NUM_THREADS}")
-        numba.set_num_threads(threads)
-
-
 def _append(writer, sim, say):
+    sim.check()
     writer.append(sim.time, sim.frame(), sim.series())
     sim.restart_timers()
     say("frame", time=sim.time, frames=writer.frames)
@@ -270,6 +256,7 @@ def _append(writer, sim, say):
 def _save(writer, sim):
     from melt.output import checkpoint
 
+    sim.check()
     arrays, meta = sim.checkpoint()
     meta |= {"frames": writer.frames, "backend": sim.backend.name}
     checkpoint.save(checkpoint.beside(writer.path), arrays, meta)
@@ -295,6 +282,8 @@ def _loop(sim, writer, say, end):
         while sim.do.clock.step < total and not stop.asked:
             sim.step()
             step = sim.do.clock.step
+            if sim.do.notes.get("inflow_stopped") == step:
+                say("warning", message=f"t = {sim.time:.4g} s: every particle slot is in use, the inflow stopped")
             say("step", step=step, time=sim.time, n_sub=sim.do.notes.get("n_sub", 0))
             if writer and (step % t.output_steps == 0 or step == total):
                 _append(writer, sim, say)

@@ -165,7 +165,7 @@ def emit(do, dt):
             if k >= nozzle.layers or enters >= clock.time + 0.5 * dt:
                 break
             if clock.active + nozzle.count > do.settings.capacity:
-                do.note("inflow_stopped", 1)
+                do.note("inflow_stopped", clock.step + 1)
                 clock.layers[nozzle.name] = nozzle.layers
                 break
             where = dict(first=nozzle.first, count=nozzle.count, slot=clock.active)

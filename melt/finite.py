@@ -1,0 +1,99 @@
+"""Values that are not finite: refused at the start, found and named during a run. Melting spec 6."""
+
+import math
+
+import numpy as np
+
+from melt.errors import InputError, MeltError
+from melt.fields import CARRIED, FIELDS
+from melt.physics.phases import INACTIVE, LIQUID, SOLID
+from melt.stages import STAGES
+from melt.state import REAL
+
+#: Outer steps between looks at the fields where that needs a read-back from a device (else every step).
+CHECK_EVERY = 16
+_MAY_BE_INFINITE = {"material_melting_point"}
+
+
+def check_initial(initial, precision):
+    """Refuse initial arrays that hold NaN, infinity, or more than the precision can hold.
+
+    Raises:
+        InputError: names the field, the first index and the value.
+    """
+    largest = float(np.finfo(REAL[precision]).max)
+    for name, values in initial.arrays.items():
+        values = np.asarray(values)
+        if values.dtype.kind != "f":
+            continue
+        limit = math.inf if name in _MAY_BE_INFINITE else largest
+        bad = ~(np.abs(values) <= limit)  # a NaN fails the comparison
+        if bad.any():
+            index = np.unravel_index(int(np.argmax(bad)), bad.shape)
+            where = ", ".join(map(str, index))
+            raise InputError(
+                f"initial state: {name}[{where}] = {values[index]} {FIELDS[name].unit if name in FIELDS else ''}".rstrip()
+                + f", and {int(bad.sum()) - 1} more: it must be a finite number"
+                + (f" of at most {largest:.3g} in {precision} precision" if np.isfinite(values[index]) else "")
+            )
+    mobile = np.isin(initial["phase"], (LIQUID, SOLID))
+    for name in ("mass", "rest_volume"):
+        bad = mobile & (initial[name] <= 0)
+        if bad.any():
+            i = int(np.argmax(bad))
+            raise InputError(f"initial state: {name}[{i}] = {initial[name][i]}: liquid and solid particles need more than 0")
+
+
+def check_number(name, value, above=None, at_least=None):
+    """Return a number given by the user, or raise `InputError` if it is not finite or out of range."""
+    value = float(value)
+    if not math.isfinite(value) or (above is not None and value <= above) or (at_least is not None and value < at_least):
+        range_ = f" greater than {above:g}" if above is not None else f" of at least {at_least:g}" if at_least is not None else ""
+        raise InputError(f"{name} = {value:g} is not allowed: it must be a finite number{range_}")
+    return value
+
+
+def check_state(sim):
+    """Raise `MeltError` if a particle of the run holds a value that is not finite.
+
+    Looks at the fields that particles carry from step to step; all others derive from them.
+    """
+    active = sim.state.read("phase") != INACTIVE
+    for name in CARRIED:
+        if name in sim.state and FIELDS[name].kind != "int" and _bad(sim.state.read(name), active).any():
+            raise MeltError(not_finite(sim))
+
+
+def _bad(values, active):
+    bad = ~np.isfinite(values)
+    return (bad if bad.ndim == 1 else bad.any(axis=0)) & active
+
+
+def not_finite(sim):
+    """Return a paragraph that names the first field, in stage order, that is not finite, and where.
+
+    Within the step that is blamed it spreads to neighbours: the particle is one of those that have it.
+    """
+    state, clock = sim.state, sim.do.clock
+    active = state.read("phase") != INACTIVE
+    when = f"step {clock.step}, t = {clock.time:.5g} s"
+    for stage in sim.prepared.stages:
+        for name in STAGES[stage].writes:
+            if name not in state or FIELDS[name].kind == "int" or FIELDS[name].shape[-1] != "particle":
+                continue
+            if name in _MAY_BE_INFINITE_RUNNING:
+                continue
+            bad = _bad(state.read(name), active)
+            if bad.any():
+                i = int(np.argmax(bad))
+                x = np.array2string(state.read("position")[:, i], precision=4)
+                return (
+                    f"{when}: field {name} (stage {stage}) is not finite at particle {int(state.read('id')[i])}, position "
+                    f"{x} m, and {int(bad.sum()) - 1} others. The frames before are kept. Lower time.dt, fix time.n_sub to "
+                    "more sub-steps, or raise fluid.alpha"
+                )
+    return f"{when}: speeds are not finite. The frames before are kept. Lower time.dt"
+
+
+#: Particle fields in which infinity means something (see `melt.fields`).
+_MAY_BE_INFINITE_RUNNING = {"latent_point", "heat_capacity", "heat_capacity_molten", "heat_linear", "cg_diagonal"}
