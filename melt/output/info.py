@@ -21,7 +21,10 @@ def describe(run_path):
             ("fields", ", ".join(f"{name} [{unit}]" for name, unit in sorted(run.units.items())) or "none")
         )
         rows += [
-            (name.replace("_", " "), f"{values[-1]:.6g} {unit}".rstrip(" 1") if len(values) else "")
+            (
+                name.replace("_", " "),
+                f"{values[-1]:.6g}" + (f" {unit}" if unit != "1" else "") if len(values) else "",
+            )
             for name, values, unit in _last_values(run)
         ]
         rows += [(name.replace("_", " "), str(value)) for name, value in run.provenance.items()]

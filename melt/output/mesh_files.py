@@ -108,7 +108,7 @@ def mesh2(mesh, shade, kind, palette):
 
 
 def write_pov(path, meshes, shades, palette, camera, low, high):
-    """Write a POV-Ray scene of meshes (kind -> Mesh) seen by a `Camera`; the light fits the box low .. high."""
+    """Write a POV-Ray scene of meshes (kind -> Mesh) seen by a `Camera`; the box low .. high is lit."""
     middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
     eye, ahead = (_left(p[None])[0] for p in (camera.eye, camera.eye + camera.axes[2] * size))
     angle = 2 * np.degrees(np.arctan(camera.width / 2 / camera.focal))

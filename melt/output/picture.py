@@ -36,9 +36,9 @@ class Painter:
         self.run, self.surface, self.walls = run, surface, walls
         self.colouring = colours.choose(run, field)
         self.spacing, self.box = _scene_facts(run)
-        low, high = self.bounds = self._bounds()
         if self.spacing is None:
             self.spacing = surface_mesh.spacing_of(self._first())
+        low, high = self.bounds = self._bounds()
         self.camera = cameras.fit(
             low, high, view, *size, right=0.12 if self.colouring.field != "phase" else 0.0
         )
@@ -121,7 +121,7 @@ class Painter:
                 high = np.maximum(high, np.minimum(x.max(axis=0), most[1] + more))
         if not np.all(low <= high):
             return np.zeros(3), np.ones(3)
-        pad = 0.02 * np.linalg.norm(high - low) + (0.5 * self.spacing if self.spacing else 0)
+        pad = 0.02 * np.linalg.norm(high - low) + 0.5 * self.spacing
         floor = (
             self.box[0][2] if self.box is not None and self.box[0][2] <= low[2] + 2 * pad else low[2] - pad
         )

@@ -78,5 +78,7 @@ def drop_and_cube(path, frames=2, fields=("temperature", "velocity", "material")
                 "material": kind.copy(),
             }
             frame |= {name: extra[name] for name in fields}
-            writer.append(0.1 * k, frame, {"kinetic_energy": 1.5 * k, "ms/density": 2.0})
+            writer.append(
+                0.1 * k, frame, {"kinetic_energy": 1.5 * k, "ms/density": 2.0, "solid_particles": 211}
+            )
     return path

@@ -173,6 +173,7 @@ def test_info(tmp_path):
     assert rows["scene"] == "drop" and rows["frames"] == "2, t = 0 .. 0.1 s" and rows["checkpoint"] == "none"
     assert rows["first frame"] == "912 liquid, 216 solid" and rows["particles"] == "1,128"
     assert "temperature [degC]" in rows["fields"] and rows["last kinetic energy"] == "1.5 J"
+    assert rows["last solid particles"] == "211"  # a number without unit keeps its last digits
     assert rows["last ms of all stages"] == "2 ms" and rows["melt"] == "0"
     with RunWriter(tmp_path / "b.vtkhdf", "[scene", {}):
         assert dict(describe(tmp_path / "b.vtkhdf"))["frames"] == "none yet"

@@ -28,8 +28,8 @@ def inputs(x, nodes, T=None, real=np.float64, **values):
         cell_start=np.array([0, n, n], np.int32), surface_node=nodes,
         surface_distance=np.zeros(m, real), surface_temperature=np.zeros(m, real),
     )
-    tuples = {"grid": P.make(P.Grid, real, **grid), "reconstruction": P.make(P.Reconstruction, real, **values)}
-    return arrays, tuples
+    reconstruction = P.make(P.Reconstruction, real, **values)
+    return arrays, {"grid": P.make(P.Grid, real, **grid), "reconstruction": reconstruction}
 
 
 @pytest.mark.parametrize("real", [np.float32, np.float64])
