@@ -15,7 +15,7 @@ import math
 
 from melt._compile import scalar
 from melt.params import ROTATION_HORN, ROTATION_SVD
-from melt.physics.quaternion import canonical, exponential, from_matrix, matrix, multiply
+from melt.physics.quaternion import canonical, from_matrix, matrix, multiply
 
 #: Singular values below this share of the largest count as zero (spec 3.3).
 RANK = 1e-6
@@ -226,12 +226,9 @@ def iterative(A, q, tolerance, iterations):
         oy = (m01 * ax + m11 * ay + m12 * az) / det
         oz = (m02 * ax + m12 * ay + m22 * az) / det
         size = ox * ox + oy * oy + oz * oz
-        if size > real(1):  # far away: a turn of at most one radian
-            f = real(1) / math.sqrt(size)
-            e = exponential(ox * f, oy * f, oz * f)
-        else:  # tan(omega/2) ~ omega/2: third order, without trigonometry
-            e = (real(1), real(0.5) * ox, real(0.5) * oy, real(0.5) * oz)
-        p = multiply(w, x, y, z, e[0], e[1], e[2], e[3])
+        # tan(omega/2) ~ omega/2: third order, without trigonometry; a turn of at most a radian
+        f = real(0.5) / math.sqrt(max(size, real(1)))
+        p = multiply(w, x, y, z, real(1), f * ox, f * oy, f * oz)
         w, x, y, z = canonical(p[0], p[1], p[2], p[3])
         # the error that is left is about omega squared
         if size <= tolerance:

@@ -57,14 +57,3 @@ def from_matrix(a, b, c, d, e, f, g, h, i):
     if e >= i:
         return canonical(c - g, b + d, one - a + e - i, f + h)
     return canonical(d - b, c + g, f + h, one - a - e + i)
-
-
-@scalar
-def exponential(x, y, z):
-    """Return the quaternion of the rotation by the vector (x, y, z) [rad]."""
-    real = type(x)
-    angle = math.sqrt(x * x + y * y + z * z)
-    half = real(0.5) * angle
-    # sin(a/2)/a without a division by zero
-    factor = real(math.sin(half)) / angle if angle > real(1e-4) else real(0.5) - angle * angle / real(48)
-    return canonical(real(math.cos(half)), x * factor, y * factor, z * factor)

@@ -16,9 +16,9 @@ OBSTACLE = ptx.why_not()
 GPU_MD = pathlib.Path(__file__).parents[2] / "docs" / "gpu.md"
 #: Kernels with double-precision instructions in single precision, and why.
 WIDE = {
-    "rigid._rigid_match": "a component has thousands of members: its sums are float64 by choice (a baseline, not tuned)",
-    "lattice._region_match": "libdevice reduces arguments of sinf and cosf beyond 105615 in float64; angles never get there",
-    "surface_field._surface_field": "as region_match: cosf of an angle within 0 .. pi/3",
+    "rigid._sums": "a component has thousands of members: its sums are float64 by choice (a baseline, not tuned)",
+    "rigid._pose": "as rigid._sums",
+    "surface_field._surface_field": "libdevice reduces arguments of cosf beyond 105615 in float64; the angle is 0 .. pi/3",
 }
 
 if OBSTACLE:
