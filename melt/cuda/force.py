@@ -30,8 +30,9 @@ def _fluid_force(
         y = real(y_i - position[1, j])
         z = real(z_i - position[2, j])
         v_x = (u_i - velocity[0, j]) * x + (v_i - velocity[1, j]) * y + (w_i - velocity[2, j]) * z
+        g_x = fluid.gravity_x * x + fluid.gravity_y * y + fluid.gravity_z * z
         f = pair_factor(
-            x * x + y * y + z * z, v_x, phase[j], V_i, m_i, rho_i, p_i,
+            x * x + y * y + z * z, v_x, g_x, phase[j], V_i, m_i, rho_i, p_i,
             volume[j], mass[j], density[j], pressure[j], smoothing, fluid,
         )
         fx += f * x
@@ -79,7 +80,7 @@ def _reaction_force(
         v_x = (u_i - velocity[0, j]) * x + (v_i - velocity[1, j]) * y + (w_i - velocity[2, j]) * z
         # the liquid's own formula from the solid's side: F_{k<-i} = -f x_ik = f x_ki
         f = pair_factor(
-            x * x + y * y + z * z, v_x, SOLID, volume[j], mass[j], density[j], pressure[j],
+            x * x + y * y + z * z, v_x, real(0), SOLID, volume[j], mass[j], density[j], pressure[j],
             V_i, m_i, rho_i, real(0), smoothing, fluid,
         )
         fx += f * x

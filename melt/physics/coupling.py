@@ -6,13 +6,13 @@ momentum closes to round-off without a scatter. Melting spec 2.3, 2.4.
 """
 
 from melt._compile import scalar
-from melt.physics.phases import LIQUID, SOLID
+from melt.physics.phases import LIQUID, SOLID, WALL
 from melt.physics.smoothing import dW_over_r
 
 
 @scalar
 def pair_factor(
-    r2, v_x, phase_j, volume_i, mass_i, density_i, pressure_i,
+    r2, v_x, g_x, phase_j, volume_i, mass_i, density_i, pressure_i,
     volume_j, mass_j, density_j, pressure_j, smoothing, fluid,
 ):
     r"""Return f [N/m] of the force F = f x_ij on the *liquid* i from j.
@@ -22,22 +22,28 @@ def pair_factor(
             + m_i M_j \nu_{ij} \frac{\min(v_{ij} \cdot x_{ij}, 0)}{r^2 + 0.01 (h/2)^2} \Big) \frac{W'}{r}
 
     with s = p (rho0/rho)^2, rho0 = m/V. Liquid j: t_j = s_j, M_j = m_j, nu = alpha h c_s /
-    (rho_i + rho_j). Solid or wall j (2', 3'): t_j = mirror p_i, M_j = rho0_i V_j, nu = sigma h
-    c_s / (4 rho_i). Phases are told apart by selects: branches would stop vectorisation.
+    (rho_i + rho_j). Solid or wall j (2', 3'): t_j = mirror p_j, M_j = rho0_i V_j, nu = sigma h
+    c_s / (4 rho_i). A solid carries the liquid's pressure, p_j = p_i; a wall carries it as it
+    would be there at rest, p_j = p_i - rho_i g . x_ij within 0 and 2 p_i. With p_i alone the
+    liquid at a side wall lacks that half of the pressure gradient, sinks, and drives a
+    circulation (measured: 0.4 m/s in a tank 4 m deep that should be at rest).
+    Phases are told apart by selects: branches would stop vectorisation.
 
-    Arguments: r2 [m^2], v_x = v_ij . x_ij [m^2/s], phase of j, volumes [m^3], masses [kg],
-    densities [kg/m^3], pressures [Pa].
+    Arguments: r2 [m^2], v_x = v_ij . x_ij [m^2/s], g_x = g . x_ij [m^2/s^2], phase of j,
+    volumes [m^3], masses [kg], densities [kg/m^3], pressures [Pa].
     """
     real = type(r2)
     h = smoothing.support
     liquid = phase_j == LIQUID
     rest_i = mass_i / volume_i
-    over_i = mass_i / (volume_i * density_i)  # rho0/rho, rounded as over_j is: liquid pairs close to the bit
+    over_i = mass_i / (volume_i * density_i)  # rho0/rho; rounded as over_j, so liquid pairs close
     # of a boundary particle the density is i's own; volume_j may be 0 there (never divided by)
     other_density = density_j if liquid else density_i
     other_mass = mass_j if liquid else rest_i * volume_j
     over_j = mass_j / ((volume_j if liquid else real(1)) * other_density)
-    other_term = pressure_j * over_j * over_j if liquid else fluid.mirror * pressure_i
+    limit = abs(pressure_i)  # a drop that slides down a wall has no pressure and feels no buoyancy
+    head = max(min(density_i * g_x, limit), -limit) if phase_j == WALL else real(0)
+    other_term = pressure_j * over_j * over_j if liquid else fluid.mirror * (pressure_i - head)
     boundary_friction = real(0.5) * (fluid.solid_friction if phase_j == SOLID else fluid.wall_friction)
     alpha = fluid.alpha if liquid else boundary_friction
     approach = min(v_x, real(0))

@@ -5,11 +5,15 @@ For liquid i, with x_ij = x_i - x_j, v_ij = v_i - v_j, hs = h/2, rho0_i = m_i/V_
 .. math::
     F_{i \leftarrow j} &= -V_i V_j \big( p_i (\rho^0_i/\rho_i)^2 + p_j (\rho^0_j/\rho_j)^2 \big) \nabla W_{ij}
         + m_i m_j \nu_{ij} \frac{v_{ij} \cdot x_{ij}}{r^2 + 0.01 h_s^2} \nabla W_{ij} \\
-    F_{i \leftarrow k} &= -V_i V_k \big( p_i (\rho^0_i/\rho_i)^2 + \beta p_i \big) \nabla W_{ik}
+    F_{i \leftarrow k} &= -V_i V_k \big( p_i (\rho^0_i/\rho_i)^2 + \beta p_k \big) \nabla W_{ik}
         + m_i \rho^0_i V_k \nu_{ik} \frac{v_{ik} \cdot x_{ik}}{r^2 + 0.01 h_s^2} \nabla W_{ik}
 
 for liquid j, and for k solid or wall (2', 3'); V_k = phi_k V_min. The viscous terms act only on
 pairs that approach (v.x < 0): nu_ij = 2 alpha hs cs/(rho_i + rho_j), nu_ik = sigma hs cs/(2 rho_i).
+
+The boundary's pressure p_k is p_i for solids (2'). For walls it is p_i - rho_i g . x_ik, within
+0 and 2 p_i: (2') with the pressure that a liquid at rest would have there. Without that term
+liquid beside a vertical wall misses the wall's share of the pressure gradient and sinks.
 """
 
 import numpy as np
@@ -32,9 +36,12 @@ def pair_forces(position, velocity, phase, mass, volume, density, pressure, smoo
     to_boundary = liquid[:, None] & boundary[None, :]
     VV = V[:, None] * V[None, :]
 
-    # pressure: symmetric form between liquids; (2') against boundaries
+    # pressure: symmetric form between liquids; (2') against boundaries, walls with hydrostatic head
     push = np.where(to_liquid, -VV * (s[:, None] + s[None, :]), 0.0)
-    push += np.where(to_boundary, -VV * (s + float(fluid.mirror) * p)[:, None], 0.0)
+    g_x = (_gravity(fluid)[:, :, None] * x_ij).sum(axis=0)
+    head = np.clip(rho[:, None] * g_x, -np.abs(p)[:, None], np.abs(p)[:, None])
+    p_k = p[:, None] - np.where(phase == 2, head, 0.0)
+    push += np.where(to_boundary, -VV * (s[:, None] + float(fluid.mirror) * p_k), 0.0)
 
     # artificial viscosity between liquids; friction (3') against boundaries
     hs, cs = float(smoothing.support) / 2, float(fluid.sound_speed)

@@ -139,13 +139,45 @@ def test_lattice_forces_are_symmetric(backend, precision):
 @everywhere
 @both
 def test_still_liquid_between_walls_stays(backend, precision):
-    # uniform pressure, mirrored by full walls: no net force inside, whatever the walls' own pressure says
+    # uniform pressure, mirrored by full walls: no net force, whatever the walls' own pressure says
     x = box(9, 9, 9)
     inner = (np.abs(x - 4.5 * DX) < 1.1 * DX).all(axis=1)
     a = particles(x, np.where(inner, 0, 2), precision, pressure=np.where(inner, 2000.0, -1e9))
     F = run("fluid_force", backend, a, wall_friction=0.1)["force"]
     single = V * V * 4000 * abs(DW)
     assert np.abs(F).max() < (2e-5 if precision == "single" else 1e-12) * single
+
+
+@everywhere
+@both
+@pytest.mark.parametrize("pressure, below, above", ((5000, 7000, 3000), (500, 1000, 0), (0, 0, 0)))
+def test_a_wall_carries_the_hydrostatic_pressure(backend, precision, pressure, below, above):
+    # rho g dz = 1000 * 10 * 0.2 = 2000 Pa, within 0 and 2 p
+    for side, expected in ((-0.2, below), (0.2, above), (0.0, pressure)):
+        x = [[0, 0, 0], [0 if side else 0.2, 0, side]]
+        a = particles(x, [0, 2], precision, pressure=[pressure, 0])
+        F = run("fluid_force", backend, a, gravity_z=-10)["force"][:, 0] + [0, 0, 80]
+        size = V * V * (pressure + expected) * abs(DW)
+        along = 0 if side == 0 else 2
+        assert F[along] == pytest.approx(-size if side >= 0 else size, rel=1e-4, abs=1e-4)
+    # a solid only mirrors
+    a = particles([[0, 0, 0], [0, 0, -0.2]], [0, 1], precision, pressure=[pressure, 0])
+    F = run("fluid_force", backend, a, gravity_z=-10)["force"][2, 0] + 80
+    assert F == pytest.approx(V * V * 2 * pressure * abs(DW), rel=1e-4, abs=1e-4)
+
+
+@everywhere
+@both
+def test_hydrostatic_liquid_does_not_sink_along_side_walls(backend, precision):
+    x = box(9, 9, 9)
+    p = 1e5 - 1000 * 10 * x[:, 2]
+    inner = np.abs(x[:, 0] - 4.5 * DX) < 2.6 * DX  # liquid five layers wide between two walls
+    a = particles(x, np.where(inner, 0, 2), precision, pressure=np.where(inner, p, 0))
+    F = run("fluid_force", backend, a, gravity_z=-10)["force"].reshape(3, 9, 9, 9)  # [c, z, y, x]
+    at_walls, amid = F[2, 4, 4, [2, 6]], F[2, 4, 4, 4]
+    # what is left is the lattice error of the gradient, which is the same in all columns: no shear
+    assert abs(amid) < 0.05 * 80
+    assert at_walls == pytest.approx(amid, abs=(0.02 if precision == "single" else 1e-8) * 80)
 
 
 @everywhere
