@@ -81,5 +81,5 @@ def _bar(image, draw, colouring, face, margin):
         draw.line([x + bar, at, x + bar + 4, at], fill=INK)
         draw.text((x + bar + 8, at), f"{value:g}", INK, face, anchor="lm")
     unit = f"[{pretty(colouring.unit)}]" if colouring.unit not in ("", "1") else ""
-    draw.text((x + bar, y - face.size * 1.9), colouring.field.replace("_", " "), INK, face, anchor="mm")
-    draw.text((x + bar, y - face.size * 0.7), unit, INK, face, anchor="mm")
+    draw.text((x + bar, y - face.size * 2.5), colouring.field.replace("_", " "), INK, face, anchor="mm")
+    draw.text((x + bar, y - face.size * 1.3), unit, INK, face, anchor="mm")

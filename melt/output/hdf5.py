@@ -25,6 +25,7 @@ import numpy as np
 
 from melt.output.hdf5_messages import (
     UNDEFINED,
+    Area,
     attribute,
     dataspace,
     datatype,
@@ -228,20 +229,6 @@ class Chunked(Dataset):
         return struct.pack(f"<BBBQ{len(dims)}I", 3, 2, len(dims), root, *dims)
 
 
-class _Area:
-    """Metadata of one commit, laid out from ``base``; ``final`` if checksums matter."""
-
-    def __init__(self, base, final):
-        self.base, self.final, self.parts, self.size = base, final, [], 0
-
-    def add(self, data):
-        address = self.base + self.size
-        padded = data + bytes(-len(data) % 8)
-        self.parts.append(padded)
-        self.size += len(padded)
-        return address
-
-
 class File:
     """The file itself: allocation, positioned writes, `commit`."""
 
@@ -278,13 +265,13 @@ class File:
         for _, item in root.walk():
             if isinstance(item, Chunked):
                 item.write_full_nodes(self)
-        trial = _Area(0, final=False)
+        trial = Area(0, final=False)
         root.place(trial)
         slot = self.commits % AREAS
         if slot >= len(self.areas) or self.areas[slot][1] < trial.size:
             capacity = trial.size + trial.size // 4
             self.areas[slot : slot + 1] = [(self.allocate(capacity), capacity)]
-        area = _Area(self.areas[slot][0], final=True)
+        area = Area(self.areas[slot][0], final=True)
         address = root.place(area)
         self.write(b"".join(area.parts), area.base)
         if os.fstat(self.descriptor).st_size < self.end:

@@ -101,3 +101,17 @@ def superblock(root, end):
         + struct.pack("<QQQQ", 0, UNDEFINED, end, root)
     )
     return head + struct.pack("<I", lookup3(head))
+
+
+class Area:
+    """Metadata of one commit, laid out from ``base``; ``final`` if checksums matter."""
+
+    def __init__(self, base, final):
+        self.base, self.final, self.parts, self.size = base, final, [], 0
+
+    def add(self, data):
+        address = self.base + self.size
+        padded = data + bytes(-len(data) % 8)
+        self.parts.append(padded)
+        self.size += len(padded)
+        return address

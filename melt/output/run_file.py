@@ -18,11 +18,10 @@ import pathlib
 import numpy as np
 
 from melt.fields import FIELDS
-from melt.output import hdf5
+from melt.output import hdf5, vtk_layout
 from melt.output.errors import OutputError, RunFileError, output_error
-from melt.output.hdf5 import Chunked, Group, Small
+from melt.output.hdf5 import Group, Small
 
-_EMPTY_CELLS = ("Lines", "Polygons", "Strips")
 _SERIES_UNITS = (
     ("time", "s"),
     ("dt", "s"),
@@ -84,7 +83,7 @@ class RunWriter:
             raise output_error("create", self.path, error) from error
         try:
             melt["scene"].append(self._file, np.array(text))
-            self._lay_out_nothing()
+            vtk_layout.lay_out_nothing(self._root["VTKHDF"], self._file)
             self._file.commit(self._root)
             os.replace(temporary, self.path)
         except OSError as error:
@@ -135,8 +134,8 @@ class RunWriter:
         series = {"time": float(time), **(series or {})}
         try:
             if self.frames == 0:
-                self._lay_out(particles)
-            self._append_vtk(float(time), particles)
+                vtk_layout.lay_out(self._root["VTKHDF"], particles)
+            vtk_layout.append_frame(self._root["VTKHDF"], self._file, self.frames, float(time), particles)
             self._append_series(series)
             self._root["VTKHDF/Steps"].attrs["NSteps"] = np.int64(self.frames + 1)
             self._file.commit(self._root)
@@ -184,78 +183,6 @@ class RunWriter:
                 )
         self._last_time = time
 
-    def _lay_out_nothing(self):
-        """Make a still picture without points, which VTK opens, until there is a first frame."""
-        vtk = self._root["VTKHDF"]
-        vtk.children = {"Points": Small(np.float32, (3,)), "NumberOfPoints": Small(np.int64)}
-        vtk["NumberOfPoints"].append(self._file, 0)
-        for cells in ("Vertices", *_EMPTY_CELLS):
-            for name in ("NumberOfCells", "NumberOfConnectivityIds", "Connectivity", "Offsets"):
-                dataset = vtk.group(cells).children[name] = Small(np.int64)
-                dataset.append(self._file, [] if name == "Connectivity" else 0)
-        self._root["melt/series"].children.clear()
-
-    def _lay_out(self, particles):
-        """Make the datasets of the first frame."""
-        n = len(particles["position"])
-        # one chunk holds about a frame: a frame is read in one go, and small runs waste little
-        chunk_rows = 1 << min(max(math.ceil(math.log2(max(n, 1))), 10), 16)
-        vtk = self._root["VTKHDF"]
-
-        def count(**attrs):
-            return Small(np.int64, **attrs)
-
-        def field(name):
-            array, known = particles[name], FIELDS.get(name)
-            attrs = {"unit": known.unit, "meaning": known.meaning} if known else {"unit": "1"}
-            return Chunked(array.dtype, array.shape[1:], chunk_rows, **attrs)
-
-        vtk.children.update(Points=field("position"), NumberOfPoints=count())
-        for cells in ("Vertices", *_EMPTY_CELLS):
-            vtk.group(cells).children.update(
-                NumberOfCells=count(), NumberOfConnectivityIds=count(), Connectivity=count(), Offsets=count()
-            )
-        names = [name for name in particles if name != "position"]
-        vtk.group("PointData").children.update({name: field(name) for name in names})
-        steps = vtk.group("Steps")
-        steps.children.update(
-            Values=Small(np.float64, unit="s"),
-            PartOffsets=count(),
-            NumberOfParts=count(),
-            PointOffsets=count(),
-            CellOffsets=Small(np.int64, (4,)),
-            ConnectivityIdOffsets=Small(np.int64, (4,)),
-        )
-        steps.group("PointDataOffsets").children.update({name: count() for name in names})
-
-    def _append_vtk(self, time, particles):
-        file, vtk, k = self._file, self._root["VTKHDF"], self.frames
-        start, n = vtk["Points"].rows, len(particles["position"])
-        vtk["Points"].append(file, particles["position"])
-        vtk["NumberOfPoints"].append(file, n)
-        vertices = vtk["Vertices"]
-        vertices["NumberOfCells"].append(file, 1)
-        vertices["NumberOfConnectivityIds"].append(file, n)
-        vertices["Offsets"].append(file, [0, n])
-        # every frame's cell lists its own points 0..n-1: all frames share the longest list
-        vertices["Connectivity"].append(file, np.arange(vertices["Connectivity"].rows, n))
-        for cells in _EMPTY_CELLS:
-            for name in ("NumberOfCells", "NumberOfConnectivityIds", "Offsets"):
-                vtk[cells][name].append(file, 0)
-        steps = vtk["Steps"]
-        for name, value in (
-            ("Values", time),
-            ("PartOffsets", k),
-            ("NumberOfParts", 1),
-            ("PointOffsets", start),
-        ):
-            steps[name].append(file, value)
-        steps["CellOffsets"].append(file, [k, 0, 0, 0])
-        steps["ConnectivityIdOffsets"].append(file, [0, 0, 0, 0])
-        for name, dataset in vtk["PointData"].children.items():
-            dataset.append(file, particles[name])
-            steps["PointDataOffsets"][name].append(file, start)
-
     def _append_series(self, series):
         group = self._root["melt/series"]
         known = {name for name, item in group.walk() if isinstance(item, Small)}
@@ -288,14 +215,15 @@ class RunWriter:
         if not 0 <= frames <= old:
             raise RunFileError(f"{self.path} has {old} frames; it cannot be continued from frame {frames}.")
         if frames < old:
-            rows = _rows(root, frames)
+            rows = vtk_layout.rows_until(root, frames)
             if frames:
                 for path, item in root.walk():
                     if not isinstance(item, Group):
                         item.cut(rows(path, item))
                 root["VTKHDF/Steps"].attrs["NSteps"] = np.int64(frames)
             else:
-                self._lay_out_nothing()
+                vtk_layout.lay_out_nothing(self._root["VTKHDF"], self._file)
+                root["melt/series"].children.clear()
         self.frames = frames
         self._last_time = -math.inf
         if frames:
@@ -313,21 +241,3 @@ class RunWriter:
             file.end, file.areas, file.commits = bottom, [], 0
             file.commit(root)
             file.discard()
-
-
-def _rows(root, frames):
-    """Return a function (path, dataset) -> rows that ``frames`` frames have in it."""
-    particles = root["VTKHDF/Steps"].start_rows[frames]
-    longest = root["VTKHDF/Steps"].longest[frames]
-
-    def rows(path, dataset):
-        parts = path.split("/")
-        if parts[:2] == ["melt", "scene"]:
-            return 1
-        if parts[-1] == "Points" or parts[1] == "PointData":
-            return particles
-        if parts[1] == "Vertices" and parts[2] in ("Connectivity", "Offsets"):
-            return longest if parts[2] == "Connectivity" else 2 * frames
-        return frames
-
-    return rows
