@@ -113,7 +113,9 @@ class emulate:  # noqa: N801  (used like a function)
     """
 
     def __init__(self, source, cache=False):
-        moved = types.FunctionType(source.__code__, {**source.__globals__, "cuda": cuda_standin}, source.__name__)
+        moved = types.FunctionType(
+            source.__code__, {**source.__globals__, "cuda": cuda_standin}, source.__name__
+        )
         moved.__qualname__ = f"{source.__qualname__}_on_host"
         moved.__module__ = source.__module__
         self._body = njit(error_model="numpy", cache=cache)(moved)

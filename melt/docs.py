@@ -28,8 +28,10 @@ def _entry(stage):
     """Return the lines of one stage."""
     kept = " (a subset of the elements)" if stage.partial else ""
     lines = [
-        f"### {stage.name}", "",
-        f"`melt/{{reference,cpu,cuda}}/{stage.file}.py`, {stage.equation}", "",
+        f"### {stage.name}",
+        "",
+        f"`melt/{{reference,cpu,cuda}}/{stage.file}.py`, {stage.equation}",
+        "",
         f"- reads {', '.join(map(_array, stage.reads)) or 'nothing'}",
         f"- parameters {', '.join(f'`{p}`' for p in stage.params) or 'none'}",
         f"- writes {', '.join(map(_array, stage.writes))}{kept}",
@@ -42,11 +44,13 @@ def _entry(stage):
 def stages_page():
     """Return the text of docs/stages.md."""
     lines = [
-        "# Stages", "",
-        "Generated from the registry (`melt/stages.py`, `melt/fields.py`) by `python -m melt.docs`. Each stage exists",
-        "three times under one signature: NumPy reference, CPU and CUDA. Tolerances are relative to the reference value",
-        "and, by the same number unless said otherwise, to the natural scale of the field; `melt check` measures the",
-        "errors. A field that is read and written stands under both.", "",
+        "# Stages",
+        "",
+        "Generated from the registry (`melt/stages.py`, `melt/fields.py`) by `python -m melt.docs`.",
+        "Each stage exists three times under one signature: NumPy reference, CPU and CUDA. Tolerances are",
+        "relative to the reference value and, by the same number unless said otherwise, to the natural scale",
+        "of the field; `melt check` measures the errors. A field that is read and written stands under both.",
+        "",
     ]
     for stage in STAGES.values():
         lines += _entry(stage)

@@ -79,8 +79,10 @@ def _special(liquid, solid, wall, vacant):
     support = np.array([60.0, 8.0, 8.0]) * SPACING
     points = [
         far,  # isolated
-        support, support + (SUPPORT, 0, 0),  # exactly at the support: not neighbours
-        support + (0, 0, 4), support + (0, SUPPORT - QUANTUM, 4),  # just within it
+        support,
+        support + (SUPPORT, 0, 0),  # exactly at the support: not neighbours
+        support + (0, 0, 4),
+        support + (0, SUPPORT - QUANTUM, 4),  # just within it
         (RUNAWAY, 1.0, -3.0),
     ]
     if len(liquid):
@@ -102,7 +104,9 @@ def _points(n, rng):
     melted = melted_sites(bodies)
     footprint = 10 if n >= 700 else 8
     wall_layers = 0 if not bodies else (2 if n >= 700 else 1)
-    z, y, x = np.meshgrid(np.arange(-wall_layers, 0), np.arange(footprint), np.arange(footprint), indexing="ij")
+    z, y, x = np.meshgrid(
+        np.arange(-wall_layers, 0), np.arange(footprint), np.arange(footprint), indexing="ij"
+    )
     wall = (np.column_stack([x.ravel(), y.ravel(), z.ravel()]) + 0.5) * SPACING
     inactive = 0 if n < 40 else max(3, n // 40)
     special = _special(np.zeros((1, 3)), solid, wall, solid[melted]) if n >= 40 else np.zeros((0, 3))
@@ -132,8 +136,13 @@ def grid_of(position, phase, n):
     counts = np.maximum(1, np.floor(size / CELL)).astype(int)
     origin = np.array([0.0, 0.0, -CELL])
     return dict(
-        origin_x=origin[0], origin_y=origin[1], origin_z=origin[2], inverse_cell=1 / CELL,
-        nx=int(counts[0]), ny=int(counts[1]), nz=int(counts[2]),
+        origin_x=origin[0],
+        origin_y=origin[1],
+        origin_z=origin[2],
+        inverse_cell=1 / CELL,
+        nx=int(counts[0]),
+        ny=int(counts[1]),
+        nz=int(counts[2]),
     )
 
 

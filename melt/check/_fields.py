@@ -21,7 +21,9 @@ def _material_of(phase, site, n, rng):
 
 def _spline(q):
     """The cubic spline, of unit integral times 8 / (pi h^3)."""
-    return np.where(q <= 0.5, 6 * q**3 - 6 * q**2 + 1, 2 * np.maximum(1 - q, 0) ** 3) * 8 / (np.pi * SUPPORT**3)
+    return (
+        np.where(q <= 0.5, 6 * q**3 - 6 * q**2 + 1, 2 * np.maximum(1 - q, 0) ** 3) * 8 / (np.pi * SUPPORT**3)
+    )
 
 
 def _density(arrays, mass, volume, rest_volume):
@@ -50,8 +52,14 @@ def particle_fields(arrays, scales, rng):
     density = _density(arrays, mass, volume, rest_volume)
     pressure = np.where(phase == LIQUID, np.maximum(0, rho0 * 400 / 7 * ((density / rho0) ** 7 - 1)), 0.0)
     fields = dict(
-        material=material, mass=mass, rest_volume=rest_volume, volume=volume, density=density, pressure=pressure,
-        velocity=rng.normal(size=(3, n)) * 0.5 * scales["speed"], force=rng.normal(size=(3, n)) * scales["force"],
+        material=material,
+        mass=mass,
+        rest_volume=rest_volume,
+        volume=volume,
+        density=density,
+        pressure=pressure,
+        velocity=rng.normal(size=(3, n)) * 0.5 * scales["speed"],
+        force=rng.normal(size=(3, n)) * scales["force"],
         surface=(rng.random(n) < 0.3).astype(int) * (phase == LIQUID),
         **thermal_fields(phase, material, mass, rest_volume, cold, rng),
     )
@@ -61,7 +69,15 @@ def particle_fields(arrays, scales, rng):
         fields[f"{name}_next"] = (fields[name] if name in fields else arrays[name]) + 0.0
     fields["temperature_next"] = fields["temperature"] + rng.normal(size=n)
     empty = np.flatnonzero(phase == INACTIVE)[::2]  # slots never used; the others hold stale values
-    for name in ("mass", "rest_volume", "volume", "density", "heat_capacity", "heat_capacity_molten", "latent_capacity"):
+    for name in (
+        "mass",
+        "rest_volume",
+        "volume",
+        "density",
+        "heat_capacity",
+        "heat_capacity_molten",
+        "latent_capacity",
+    ):
         fields[name][empty] = 0.0
     return fields
 
@@ -101,9 +117,12 @@ def _inflow(rng):
     """Two nozzles of 7 and 4 particles."""
     k = 11
     return dict(
-        inflow_position=rng.uniform(0, 1, (3, k)), inflow_velocity=rng.normal(size=(3, k)),
-        inflow_mass=rng.uniform(5, 8, k), inflow_volume=rng.uniform(0.005, 0.008, k),
-        inflow_temperature=rng.uniform(20, 90, k), inflow_material=rng.integers(0, 3, k),
+        inflow_position=rng.uniform(0, 1, (3, k)),
+        inflow_velocity=rng.normal(size=(3, k)),
+        inflow_mass=rng.uniform(5, 8, k),
+        inflow_volume=rng.uniform(0.005, 0.008, k),
+        inflow_temperature=rng.uniform(20, 90, k),
+        inflow_material=rng.integers(0, 3, k),
     )
 
 
@@ -127,7 +146,7 @@ def _rest_sum(arrays):
 
 
 def surface_nodes(arrays):
-    """Points for the surface field: at particles, exactly at the reach of an isolated one, between, far away."""
+    """Points for the surface field: at particles, exactly at the reach of a lonely one, between, far away."""
     rng = np.random.default_rng(11)
     x = arrays["position"]
     if x.shape[1] == 0:
@@ -140,5 +159,12 @@ def surface_nodes(arrays):
 
 def special_fields(arrays, rng):
     """Return fields that need sites or several others: guard pairs, tree, sums at rest, heaters, inflow."""
-    return dict(offenders=guard_pairs(arrays), tree=left_balanced(arrays["position"]), rest_sum=_rest_sum(arrays),
-                surface_node=surface_nodes(arrays), **freezing_fields(arrays), **heaters(), **_inflow(rng))
+    return dict(
+        offenders=guard_pairs(arrays),
+        tree=left_balanced(arrays["position"]),
+        rest_sum=_rest_sum(arrays),
+        surface_node=surface_nodes(arrays),
+        **freezing_fields(arrays),
+        **heaters(),
+        **_inflow(rng),
+    )

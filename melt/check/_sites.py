@@ -78,11 +78,23 @@ def _regions(a, arrays, rng):
         m = share[member]
         x = a["site_position"][:, member] - a["site_position"][:, [r]]
         X0 = a["site_rest"][:, member] - a["site_rest"][:, [r]]
-        mass[r], rest[:, r], centre[:, r], mean[:, r] = m.sum(), X0 @ m / m.sum(), x @ m / m.sum(), x.mean(axis=1)
+        mass[r], rest[:, r], centre[:, r], mean[:, r] = (
+            m.sum(),
+            X0 @ m / m.sum(),
+            x @ m / m.sum(),
+            x.mean(axis=1),
+        )
         R = _best_rotation((m * (x - centre[:, [r]])) @ (X0 - rest[:, [r]]).T)
         rotation[:, r], shift[:, r] = quaternion(R), centre[:, r] - R @ rest[:, r]
-    a.update(region_share=share, region_mass=mass, region_rest=rest, region_centre=centre, region_mean=mean,
-             region_shift=shift, region_rotation=rotation)
+    a.update(
+        region_share=share,
+        region_mass=mass,
+        region_rest=rest,
+        region_centre=centre,
+        region_mean=mean,
+        region_shift=shift,
+        region_rotation=rotation,
+    )
     a["region_velocity"] = rng.normal(size=(3, count)) * live
     a["region_spin"] = rng.normal(size=(3, count)) * 3 * live
     a["goal"] = rng.normal(size=(3, count)) * 0.05 * SPACING * live

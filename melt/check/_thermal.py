@@ -60,11 +60,15 @@ def thermal_fields(phase, material, mass, rest_volume, cold, rng):
     T, share = temperatures(latent_point, phase, cold, rng)
     exchanging = (phase != INACTIVE) & (phase != WALL)
     return dict(
-        temperature=T, latent_point=latent_point, latent_capacity=np.where(changes, latent, 0.0),
-        latent_energy=np.where(changes, latent * share, 0.0), heat_capacity=capacity,
+        temperature=T,
+        latent_point=latent_point,
+        latent_capacity=np.where(changes, latent, 0.0),
+        latent_energy=np.where(changes, latent * share, 0.0),
+        heat_capacity=capacity,
         heat_capacity_molten=np.where(changes, mass * c[molten], capacity),
         conductivity=np.where(phase == INACTIVE, 0.0, table["material_conductivity"][material]),
-        heat_volume=np.where(exchanging, rest_volume, 0.0), **table,
+        heat_volume=np.where(exchanging, rest_volume, 0.0),
+        **table,
     )
 
 
@@ -97,10 +101,14 @@ def in_paper_mode(arrays):
     c = arrays["material_specific_heat"][arrays["material"]]
     volume = arrays["heat_volume"]
     per_mass = np.where(arrays["mass"] > 0, volume / np.where(arrays["mass"] > 0, arrays["mass"], 1) / c, 0.0)
-    changed = {name: arrays[name] * PAPER for name in ("conductivity", "material_conductivity", "heat_conductance")}
+    changed = {
+        name: arrays[name] * PAPER for name in ("conductivity", "material_conductivity", "heat_conductance")
+    }
     changed.update({name: arrays[name] * per_mass for name in ("latent_energy", "latent_capacity")})
     changed["heat_capacity"] = changed["heat_capacity_molten"] = volume + 0.0
-    changed["heater_value"] = np.where(arrays["heater_mode"] == 0, arrays["heater_value"] * 2.5e-7, arrays["heater_value"])
+    changed["heater_value"] = np.where(
+        arrays["heater_mode"] == 0, arrays["heater_value"] * 2.5e-7, arrays["heater_value"]
+    )
     return {**arrays, **changed}
 
 
@@ -108,6 +116,7 @@ def with_fixed_walls(arrays):
     """Return the arrays with walls that conduct and keep their temperature (C = inf)."""
     wall = arrays["phase"] == WALL
     return {
-        **arrays, "heat_volume": np.where(wall, arrays["rest_volume"], arrays["heat_volume"]),
+        **arrays,
+        "heat_volume": np.where(wall, arrays["rest_volume"], arrays["heat_volume"]),
         "heat_capacity": np.where(wall, np.inf, arrays["heat_capacity"]),
     }

@@ -14,7 +14,7 @@ def left_size(count):
 
 
 def left_balanced(position):
-    """Return ``tree`` (n,): particle at each node, children 2k+1 and 2k+2, axis = level mod 3, ties by index."""
+    """Return the particle at each node (n,): children 2k+1 and 2k+2, axis = level mod 3, ties by index."""
     n = position.shape[1]
     tree = np.zeros(n, int)
     todo = [(0, 0, np.arange(n))]

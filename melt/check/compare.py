@@ -76,14 +76,18 @@ def run_stage(name, backend, arrays, params, function=None):
     function = function or stage_function(name, backend.split("-")[0])
     with _where(backend) as on_device:
         if on_device:
-            there = {k: _compile.cuda.to_device(v) if isinstance(v, np.ndarray) else v for k, v in given.items()}
+            there = {
+                k: _compile.cuda.to_device(v) if isinstance(v, np.ndarray) else v for k, v in given.items()
+            }
             function(*(there[a] for a in stage.arguments))
             given.update({k: v.copy_to_host() for k, v in there.items() if k not in stage.params})
         else:
             function(*(given[a] for a in stage.arguments))
     for field in stage.reads:
         if field not in stage.writes and given[field].tobytes() != arrays[field].tobytes():
-            raise InputChanged(f"stage {name} on {backend}: wrote to {field}, which the registry does not list")
+            raise InputChanged(
+                f"stage {name} on {backend}: wrote to {field}, which the registry does not list"
+            )
     return {field: given[field] for field in stage.writes if field not in stage.scratch}
 
 
@@ -127,7 +131,9 @@ def difference(name, field, reference, got, precision, scales):
         ratio = np.where(same, 0.0, np.abs(ref - new) / allowed)
     ratio = np.where(np.isnan(ratio), np.inf, ratio)
     worst = np.unravel_index(np.argmax(ratio), ratio.shape)
-    return Difference(field, float(ratio[worst]), tuple(int(w) for w in worst), float(ref[worst]), float(new[worst]))
+    return Difference(
+        field, float(ratio[worst]), tuple(int(w) for w in worst), float(ref[worst]), float(new[worst])
+    )
 
 
 def compare_outputs(name, first, second, precision, scales):

@@ -18,7 +18,9 @@ def sign_flip(name, function):
         function(*arguments)
         for old, new in zip(before, _outputs(stage, arguments)):
             accumulates = stage.partial and new.dtype.kind == "f"
-            new[...] = np.where(new == old, new, 2 * old - new) if accumulates else -new - (new.dtype.kind == "i")
+            new[...] = (
+                np.where(new == old, new, 2 * old - new) if accumulates else -new - (new.dtype.kind == "i")
+            )
 
     return faulty
 
@@ -46,7 +48,12 @@ def swappable(name, arguments, kinds="fi"):
         for k in reads:
             for m in reads:
                 x, y = arguments[k], arguments[m]
-                if k < m and x.dtype.kind == kind and (x.shape, x.dtype) == (y.shape, y.dtype) and x.tobytes() != y.tobytes():
+                if (
+                    k < m
+                    and x.dtype.kind == kind
+                    and (x.shape, x.dtype) == (y.shape, y.dtype)
+                    and x.tobytes() != y.tobytes()
+                ):
                     return k, m
     return None
 
@@ -76,7 +83,12 @@ def wrong_field(name, function):
     def faulty(*arguments):
         arguments = list(arguments)
         for k, a in enumerate(stage.arguments):
-            if a not in stage.params and a not in stage.writes and arguments[k].dtype.kind == "f" and arguments[k].size:
+            if (
+                a not in stage.params
+                and a not in stage.writes
+                and arguments[k].dtype.kind == "f"
+                and arguments[k].size
+            ):
                 arguments[k] = np.ascontiguousarray(arguments[k][..., ::-1])
                 break
         function(*arguments)

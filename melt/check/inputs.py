@@ -11,70 +11,22 @@ import numpy as np
 
 from melt import params as P
 from melt.check import _cloud, _sites, _thermal
+from melt.check._choices import EXTRA, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
 from melt.stages import STAGES
 from melt.state import REAL, dtype_of
 
-#: Parameter tuples with values that exercise every term.
-TUPLES = {
-    "smoothing": (P.Smoothing, dict(support=_cloud.SUPPORT, kernel=P.CUBIC, laplacian=P.L_VISC)),
-    "grid": (P.Grid, {}),  # from the cloud
-    "fluid": (P.Fluid, dict(
-        sound_speed=20.0, viscosity=P.ARTIFICIAL, alpha=0.2, mu=0.5, solid_friction=0.15, wall_friction=0.05,
-        mirror=1.0, clamp=1, density_factor=1.0015, minimum_volume=_cloud.SPACING**3, number_density=1,
-        gravity_x=0.3, gravity_y=-0.2, gravity_z=-9.81, expansion=2e-4, reference_temperature=20.0,
-        drag=0.5, xsph=0.1, surface_tension=0.7)),
-    "lattice": (P.Lattice, dict(
-        width=2, spacing=_cloud.SPACING, solid_volume=P.VOLUME_REST, solid_scale=0.77, rotation=P.ROTATION_SVD,
-        iterations=60, tolerance=1e-7, stiffness=0.9, damping=0.05, refill=P.REFILL_AFFECTED, connect=26)),
-    "contact": (P.Contact, dict(distance=_cloud.SPACING, stiffness=0.25, damping=0.1, friction=0.2)),
-    "guard": (P.Guard, dict(distance=0.5 * _cloud.SPACING)),
-    "heat": (P.Heat, dict(
-        law=P.HEAT_PHYSICAL, current_volume=0, full_sweep=0, latent=1, ambient_temperature=15.0,
-        ambient_transfer=5e7, full_neighbours=80.0, ambient_area=2.5,
-        spacing=_cloud.SPACING, wall_fixed=0)),
-    "change": (P.Change, dict(
-        own_liquid=1, latent=1, hysteresis=0.5, reach=0.6 * _cloud.SPACING, speed=2.0)),
-    "reconstruction": (P.Reconstruction, dict(
-        reach=2 * _cloud.SPACING, radius=0.6 * _cloud.SPACING, correct=1, temperature=1)),
-    "domain": (P.Domain, dict(
-        lower_x=-1.0, lower_y=-1.0, lower_z=-1.0, upper_x=1.5, upper_y=6.0, upper_z=20.0, delete=1)),
-}
-
-#: Scalars: value; an int stays int32, a float gets the run's precision.
-SCALARS = {
-    "dt": 1e-3, "smallest": 3, "factor": 0.3, "full_neighbours": 80.0,
-    "first": 2, "count": 5, "slot": 7, "lag": 2e-3, "reverse": 0,
-}
-
-#: Entries of parameter tuples that switch code paths, and the values to try one at a time.
-SWITCHES = {
-    "smoothing": {"kernel": (0, 1, 2), "laplacian": (0, 1, 2)},
-    "fluid": {"viscosity": (0, 1), "clamp": (0, 1), "number_density": (0, 1), "mirror": (0.0, 1.0)},
-    "lattice": {"solid_volume": (0, 1, 2), "rotation": (0, 1, 2), "refill": (0, 1, 2), "connect": (6, 18, 26),
-                "width": (0, 1, 2)},
-    "heat": {"law": (0, 1), "current_volume": (0, 1), "full_sweep": (0, 1), "latent": (0, 1), "wall_fixed": (0, 1)},
-    "change": {"own_liquid": (0, 1), "latent": (0, 1)},
-    "domain": {"delete": (0, 1)},
-    "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
-}
-
-#: Extra variants of single stages.
-EXTRA = {
-    "reorder_scalar": [{"kind": "int"}],
-    "neighbours_grid": [{"capacity": 20}],
-    "neighbours_kdtree": [{"capacity": 20}],
-    "heat_onesided": [{"reverse": 1}],
-    "crumble": [{"smallest": 0}, {"smallest": 8}],
-}
-
-#: What stages need besides when there is no particle, or one.
-SMALL = {"emit_motion": {"count": 0, "slot": 0}, "emit_matter": {"count": 0, "slot": 0}}
-
 #: Stages that bring particles into cell order: their input is not in it.
-_UNORDERED = {"cell_index", "cell_sort", "reorder_scalar", "reorder_vector", "site_particle", "kdtree_build",
-              "neighbours_kdtree"}
+_UNORDERED = {
+    "cell_index",
+    "cell_sort",
+    "reorder_scalar",
+    "reorder_vector",
+    "site_particle",
+    "kdtree_build",
+    "neighbours_kdtree",
+}
 
 
 class UnknownInput(KeyError):
@@ -89,11 +41,26 @@ def scales(n):
     volume, speed, pressure = _cloud.SPACING**3, 2.0, 1000 * 20.0**2 / 7 * 0.5
     mass = 1000 * volume
     return dict(
-        spacing=_cloud.SPACING, speed=speed, mass=mass, volume=volume, density=1000.0, pressure=pressure,
-        force=pressure * volume / _cloud.SPACING, temperature=50.0, conductivity=4e7, conductance=4e5,
-        heat_capacity=mass * 4187.0, latent_energy=mass * 3e4, heat=mass * 3e4, number_density=1 / volume, one=1.0,
-        rate=speed / _cloud.SPACING, rate2=(speed / _cloud.SPACING) ** 2,
-        acceleration=pressure / 1000 / _cloud.SPACING, specific_heat=4187.0, latent_heat=3e4,
+        spacing=_cloud.SPACING,
+        speed=speed,
+        mass=mass,
+        volume=volume,
+        density=1000.0,
+        pressure=pressure,
+        force=pressure * volume / _cloud.SPACING,
+        temperature=50.0,
+        conductivity=4e7,
+        conductance=4e5,
+        heat_capacity=mass * 4187.0,
+        latent_energy=mass * 3e4,
+        heat=mass * 3e4,
+        number_density=1 / volume,
+        one=1.0,
+        rate=speed / _cloud.SPACING,
+        rate2=(speed / _cloud.SPACING) ** 2,
+        acceleration=pressure / 1000 / _cloud.SPACING,
+        specific_heat=4187.0,
+        latent_heat=3e4,
     )
 
 
@@ -123,7 +90,9 @@ def _params(stage, real, grid, choice):
             value = choice.get(name, SCALARS[name])
             found[name] = np.int32(value) if isinstance(value, int) else real(value)
         else:
-            raise UnknownInput(f"stage {stage.name}: no check input for parameter {name!r} (melt/check/inputs.py)")
+            raise UnknownInput(
+                f"stage {stage.name}: no check input for parameter {name!r} (melt/check/inputs.py)"
+            )
     return found
 
 
@@ -131,22 +100,34 @@ def _sizes(arrays, grid):
     """Return the size of every extent in the check scene."""
     n, cells = len(arrays["phase"]), grid["nx"] * grid["ny"] * grid["nz"] + 2
     return dict(
-        particle=n, node=n, neighbour=arrays["neighbour_index"].shape[1], cell=cells,
-        chunk=-(-max(n, cells) // 256), site=len(arrays["site_body"]), link=27,
-        region=arrays["site_region"].shape[1], material=len(arrays["material_density"]),
-        surface_node=arrays["surface_node"].shape[1], heater=len(arrays["heater_shape"]),
-        inlet=len(arrays["inflow_mass"]), reduction=64,
+        particle=n,
+        node=n,
+        neighbour=arrays["neighbour_index"].shape[1],
+        cell=cells,
+        chunk=-(-max(n, cells) // 256),
+        site=len(arrays["site_body"]),
+        link=27,
+        region=arrays["site_region"].shape[1],
+        material=len(arrays["material_density"]),
+        surface_node=arrays["surface_node"].shape[1],
+        heater=len(arrays["heater_shape"]),
+        inlet=len(arrays["inflow_mass"]),
+        reduction=64,
     )
 
 
 def _generic(stage, field, sizes, all_scales, rng):
-    """A field nobody computed: zeros if only written, else random reals; there is no harmless random index."""
+    """A field nobody computed: zeros if only written, else random reals; no random index is harmless."""
     unknown = [e for e in field.shape if not e.isdigit() and e not in sizes]
     only_written = field.name in stage.writes and field.name not in stage.reads
     if unknown or (field.kind == "int" and not only_written):
-        raise UnknownInput(f"stage {stage.name}: no check input for field {field.name!r} (melt/check/_fields.py)")
+        raise UnknownInput(
+            f"stage {stage.name}: no check input for field {field.name!r} (melt/check/_fields.py)"
+        )
     shape = tuple(int(e) if e.isdigit() else sizes[e] for e in field.shape)
-    return np.zeros(shape) if only_written else rng.uniform(0.5, 1.5, shape) * all_scales.get(field.scale, 1.0)
+    return (
+        np.zeros(shape) if only_written else rng.uniform(0.5, 1.5, shape) * all_scales.get(field.scale, 1.0)
+    )
 
 
 def _array(stage, name, arrays, grid, choice, all_scales, rng):
@@ -204,7 +185,9 @@ def make(stage_name, precision, n=301, seed=0, choice=None):
         if name in stage.params:
             continue
         array, field = _array(stage, name, arrays, grid, choice, all_scales, rng)
-        kind = {"int": np.int32, "real": real}[field] if isinstance(field, str) else dtype_of(field, precision)
+        kind = (
+            {"int": np.int32, "real": real}[field] if isinstance(field, str) else dtype_of(field, precision)
+        )
         cast[name] = np.ascontiguousarray(array, dtype=kind).copy()
     _exact_thresholds(stage, cast)
     return cast, _params(stage, real, grid, choice), all_scales

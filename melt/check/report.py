@@ -27,8 +27,12 @@ from melt.stages import STAGES
 BACKENDS = ("reference", "cpu", "cuda-emulated", "cuda-simulated")
 PRECISIONS = ("single", "mixed", "double")
 #: What each backend is held against. Reference: wrong physics; CPU: wrong porting.
-AGAINST = {"cpu": ("reference",), "cuda-emulated": ("reference", "cpu"), "cuda-simulated": ("reference",),
-           "cuda": ("reference", "cpu")}
+AGAINST = {
+    "cpu": ("reference",),
+    "cuda-emulated": ("reference", "cpu"),
+    "cuda-simulated": ("reference",),
+    "cuda": ("reference", "cpu"),
+}
 SIMULATED_SIZE = 251  # more than a few hundred threads take minutes in the simulator
 VARIANT_SIZE = 157  # bodies need 150; some references are loops over pairs in Python
 
@@ -76,7 +80,9 @@ def check_stage(stage, precision, backends=("cpu", "cuda-emulated"), n=301, seed
     for k, choice in enumerate(choices(stage) if variants is None else variants):
         try:
             # the base case at full size, its variants at one that is quick
-            arrays, params, scales = make(stage, precision, n if k == 0 else min(n, VARIANT_SIZE), seed, choice)
+            arrays, params, scales = make(
+                stage, precision, n if k == 0 else min(n, VARIANT_SIZE), seed, choice
+            )
         except Exception as error:  # noqa: BLE001
             keep(_failed(stage, precision, "input", f"{type(error).__name__}: {error}", choice))
             continue
@@ -91,8 +97,20 @@ def check_stage(stage, precision, backends=("cpu", "cuda-emulated"), n=301, seed
                     continue
                 found = compare_outputs(stage, outputs[other], outputs[backend], precision, scales)
                 for field, d in found.items():
-                    keep(Row(stage, field, precision, backend, other, d.ratio, d.index, d.reference, d.got,
-                             str(choice or "")))
+                    keep(
+                        Row(
+                            stage,
+                            field,
+                            precision,
+                            backend,
+                            other,
+                            d.ratio,
+                            d.index,
+                            d.reference,
+                            d.got,
+                            str(choice or ""),
+                        )
+                    )
     return list(worst.values())
 
 
@@ -103,12 +121,18 @@ def simulate(stages, precisions, seed=0, n=SIMULATED_SIZE):
         job = json.dumps(dict(stages=list(stages), precisions=list(precisions), seed=seed, n=n, out=out))
         environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1"}
         done = subprocess.run(
-            [sys.executable, "-m", "melt.check.simulated", job], env=environment, capture_output=True, text=True
+            [sys.executable, "-m", "melt.check.simulated", job],
+            env=environment,
+            capture_output=True,
+            text=True,
         )
         if done.returncode or not os.path.exists(out):
             tail = done.stderr.strip().splitlines()[-1:] or ["no message"]
-            return [_failed(s, p, "cuda-simulated", f"simulator process failed: {tail[0]}", "")
-                    for s in stages for p in precisions]
+            return [
+                _failed(s, p, "cuda-simulated", f"simulator process failed: {tail[0]}", "")
+                for s in stages
+                for p in precisions
+            ]
         with open(out) as file:
             return [Row(**{**row, "index": tuple(row["index"])}) for row in json.load(file)]
 
@@ -141,7 +165,7 @@ def write(rows, path, **attributes):
 
 
 def show(rows, console=None):
-    """Print one line per stage, field and precision with a column per comparison, then the red ones in full."""
+    """Print one line per stage, field and precision, a column per comparison, then the red ones in full."""
     console = console or Console()
     pairs = list(dict.fromkeys((r.backend, r.against) for r in rows if r.message == ""))
     pairs.sort(key=lambda pair: (pair[1] != "reference", pair[0]))
@@ -160,10 +184,16 @@ def show(rows, console=None):
     console.print(table)
     for row in rows:
         if not row.ratio <= 1:
-            what = row.message or (f"field {row.field} at {row.index}: {row.against} {row.reference:.9g}, "
-                                   f"{row.backend} {row.got:.9g}, {row.ratio:.3g} times the tolerance")
-            console.print(f"RED {row.stage} ({row.precision}) on {row.backend}: {what} {row.variant}", style="red",
-                          markup=False, highlight=False)
+            what = row.message or (
+                f"field {row.field} at {row.index}: {row.against} {row.reference:.9g}, "
+                f"{row.backend} {row.got:.9g}, {row.ratio:.3g} times the tolerance"
+            )
+            console.print(
+                f"RED {row.stage} ({row.precision}) on {row.backend}: {what} {row.variant}",
+                style="red",
+                markup=False,
+                highlight=False,
+            )
 
 
 def main(stages=None, backends=BACKENDS, precisions=PRECISIONS, n=1003, seed=0, out=None, console=None):
@@ -194,8 +224,10 @@ def main(stages=None, backends=BACKENDS, precisions=PRECISIONS, n=1003, seed=0, 
     rows.sort(key=lambda r: (order[r.stage], r.field, r.precision, r.backend, r.against))
     show(rows, console)
     red = [row for row in rows if not row.ratio <= 1]
-    console.print(f"{len(rows)} comparisons of {len(stages)} stages, {len(red)} red, "
-                  f"worst ratio {max((r.ratio for r in rows), default=0):.3g}")
+    console.print(
+        f"{len(rows)} comparisons of {len(stages)} stages, {len(red)} red, "
+        f"worst ratio {max((r.ratio for r in rows), default=0):.3g}"
+    )
     if out:
         write(rows, out, seed=seed, n=n, red=len(red))
         console.print(f"written to {out}")

@@ -29,7 +29,7 @@ def main(stages=None, precision="single", sizes=(1003, 730, 847)):
         raise SystemExit("start this with MELT_PARALLEL=1 and NUMBA_NUM_THREADS=3 in the environment")
     bad = 0
     for stage in stages or STAGES:
-        # the pieces that threads get end elsewhere for each size: vector bodies and remainders must round alike
+        # for each size the shares of the threads end elsewhere: vector bodies and remainders must round alike
         fields = sorted({field for n in sizes for field in differing(stage, precision, n)})
         bad += bool(fields)
         print(stage, *(fields or ["same"]), flush=True)

@@ -17,8 +17,10 @@ def precisions(stage):
 def say(rows):
     """One line per red row."""
     return "\n".join(
-        f"{r.stage}.{r.field} ({r.precision}) on {r.backend} against {r.against}: ratio {r.ratio:.3g} at {r.index}, "
-        f"{r.reference!r} / {r.got!r} {r.variant} {r.message}" for r in rows
+        f"{r.stage}.{r.field} ({r.precision}) on {r.backend} against {r.against}: "
+        f"ratio {r.ratio:.3g} at {r.index}, "
+        f"{r.reference!r} / {r.got!r} {r.variant} {r.message}"
+        for r in rows
     )
 
 

@@ -62,7 +62,7 @@ def test_particles_come_in_cell_order_with_the_inactive_last():
     assert np.all(np.diff(CLOUD["cell"]) >= 0)
     start, n = CLOUD["cell_start"], len(CLOUD["phase"])
     assert start[0] == 0 and start[-1] == n
-    assert np.all(CLOUD["phase"][start[-2]:] == 5) and np.all(CLOUD["phase"][: start[-2]] != 5)
+    assert np.all(CLOUD["phase"][start[-2] :] == 5) and np.all(CLOUD["phase"][: start[-2]] != 5)
 
 
 def test_bodies_have_inner_melted_vacant_and_spare_sites():

@@ -16,9 +16,9 @@ OBSTACLE = ptx.why_not()
 GPU_MD = pathlib.Path(__file__).parents[2] / "docs" / "gpu.md"
 #: Kernels with double-precision instructions in single precision, and why.
 WIDE = {
-    "rigid._sums": "a component has thousands of members: its sums are float64 by choice (a baseline, not tuned)",
+    "rigid._sums": "sums over the thousands of members of a component are float64 by choice (a baseline)",
     "rigid._pose": "as rigid._sums",
-    "surface_field._surface_field": "libdevice reduces arguments of cosf beyond 105615 in float64; the angle is 0 .. pi/3",
+    "surface_field._surface_field": "libdevice's cosf takes arguments beyond 105615 through float64; here 0 .. pi/3",
 }
 
 if OBSTACLE:
@@ -33,7 +33,11 @@ def single():
 def test_every_kernel_is_launched_by_the_check_inputs():
     """A kernel that no variant of the inputs launches would be neither compiled nor checked."""
     launched = {name for stage in STAGES for name, _ in ptx.launches(stage, "single")}
-    assert {ptx.name_of(kernel) for kernel in _compile.KERNELS if kernel.py_func.__module__.startswith("melt.cuda.")} == launched
+    assert {
+        ptx.name_of(kernel)
+        for kernel in _compile.KERNELS
+        if kernel.py_func.__module__.startswith("melt.cuda.")
+    } == launched
 
 
 def test_every_kernel_compiles_for_every_capability_in_single_precision(single):

@@ -14,8 +14,15 @@ def run(tmp_path, monkeypatch=None, **options):
     text = io.StringIO()
     out = tmp_path / "check.h5"
     console = Console(file=text, width=160)
-    status = report.main(["density"], ("reference", "cpu", "cuda-emulated"), ("single",), n=301, out=out,
-                         console=console, **options)
+    status = report.main(
+        ["density"],
+        ("reference", "cpu", "cuda-emulated"),
+        ("single",),
+        n=301,
+        out=out,
+        console=console,
+        **options,
+    )
     return status, out, text.getvalue()
 
 

@@ -19,7 +19,9 @@ def tree(path):
 
 def modules(*folders):
     """Return the source files of melt, or of some of its folders."""
-    return sorted(p for f in folders or (".",) for p in (ROOT / f).rglob("*.py") if "__pycache__" not in p.parts)
+    return sorted(
+        p for f in folders or (".",) for p in (ROOT / f).rglob("*.py") if "__pycache__" not in p.parts
+    )
 
 
 def functions(path):
@@ -55,7 +57,9 @@ def stored(node):
     """Return names whose elements a function stores to: ``x[...] = ``, ``x[...] += ``, atomics."""
     found = set()
     for n in ast.walk(node):
-        targets = n.targets if isinstance(n, ast.Assign) else [n.target] if isinstance(n, ast.AugAssign) else []
+        targets = (
+            n.targets if isinstance(n, ast.Assign) else [n.target] if isinstance(n, ast.AugAssign) else []
+        )
         for target in targets:
             for part in ast.walk(target):
                 if isinstance(part, ast.Subscript) and isinstance(part.ctx, ast.Store):
@@ -66,6 +70,10 @@ def stored(node):
                         found.add(base.id)
         if isinstance(n, ast.Call) and isinstance(n.func, ast.Attribute):
             owner = n.func.value
-            if isinstance(owner, ast.Attribute) and owner.attr == "atomic" and isinstance(n.args[0], ast.Name):
+            if (
+                isinstance(owner, ast.Attribute)
+                and owner.attr == "atomic"
+                and isinstance(n.args[0], ast.Name)
+            ):
                 found.add(n.args[0].id)
     return found

@@ -18,16 +18,50 @@ def tuples(real):
 
 
 #: Arguments that are integers, by name.
-INTEGERS = {"count", "shape", "kind", "mode", "connect", "slot", "phase", "phase_i", "phase_j", "iterations", "n",
-            "sweeps", "law", "cell", "width", "level", "place", "i", "j"}
+INTEGERS = {
+    "count",
+    "shape",
+    "kind",
+    "mode",
+    "connect",
+    "slot",
+    "phase",
+    "phase_i",
+    "phase_j",
+    "iterations",
+    "n",
+    "sweeps",
+    "law",
+    "cell",
+    "width",
+    "level",
+    "place",
+    "i",
+    "j",
+}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
-    ("polar.horn", "A"): 9, ("polar.horn", "q"): 4, ("polar.svd", "A"): 9, ("polar.svd", "q"): 4,
-    ("polar.iterative", "A"): 9, ("polar.iterative", "q"): 4, ("polar.rotation", "A"): 9, ("polar.rotation", "q"): 4,
-    ("polar._turn4", "p"): 4, ("polar._turn4", "q"): 4, ("polar._turn3", "p"): 3, ("polar._turn3", "q"): 3,
-    ("polar._add_if", "total"): 4, ("polar._add_if", "v"): 4, ("polar._add_if", "q"): 4,
-    ("polar.solve_inertia", "J"): 6, ("polar.solve_inertia", "L"): 3,
-    ("polar._dot", "a"): 3, ("polar._dot", "b"): 3, ("polar._cross", "a"): 3, ("polar._cross", "b"): 3,
+    ("polar.horn", "A"): 9,
+    ("polar.horn", "q"): 4,
+    ("polar.svd", "A"): 9,
+    ("polar.svd", "q"): 4,
+    ("polar.iterative", "A"): 9,
+    ("polar.iterative", "q"): 4,
+    ("polar.rotation", "A"): 9,
+    ("polar.rotation", "q"): 4,
+    ("polar._turn4", "p"): 4,
+    ("polar._turn4", "q"): 4,
+    ("polar._turn3", "p"): 3,
+    ("polar._turn3", "q"): 3,
+    ("polar._add_if", "total"): 4,
+    ("polar._add_if", "v"): 4,
+    ("polar._add_if", "q"): 4,
+    ("polar.solve_inertia", "J"): 6,
+    ("polar.solve_inertia", "L"): 3,
+    ("polar._dot", "a"): 3,
+    ("polar._dot", "b"): 3,
+    ("polar._cross", "a"): 3,
+    ("polar._cross", "b"): 3,
 }
 #: Names above that are reals all the same: an axis-angle or matrix written out, coordinates.
 REALS = {("quaternion.from_matrix", "i"), ("search.precedes", "x"), ("search.precedes", "y")}
@@ -64,6 +98,7 @@ SCALARS = dict(scalars())
 
 def inferred(dispatcher):
     """Return the types that numba inferred for the result of the last compilation."""
+
     def leaves(kind):
         if hasattr(kind, "types"):  # a tuple of different types
             return [leaf for part in kind.types for leaf in leaves(part)]
@@ -85,8 +120,10 @@ def test_scalar_keeps_the_precision_of_its_arguments(name, real):
     try:
         dispatcher(*arguments)
     except Exception as error:
-        pytest.fail(f"{name}{tuple(parameters)}: no arguments known for it in tests/laws/test_scalars.py, or it "
-                    f"does not compile: {type(error).__name__}: {str(error).splitlines()[0]}")
+        pytest.fail(
+            f"{name}{tuple(parameters)}: no arguments known for it in tests/laws/test_scalars.py, or it "
+            f"does not compile: {type(error).__name__}: {str(error).splitlines()[0]}"
+        )
     other = "float64" if real is np.float32 else "float32"
     assert other not in inferred(dispatcher), f"{name} returns {inferred(dispatcher)}"
 

@@ -9,13 +9,14 @@ FILES = {
 }
 FUNCTIONS = {
     # "path:function": reason
-    "cuda/heat_coloured.py:_heat_pairs_coloured":
-        "walks a cell and its 13 partners; cut in two, both halves would take the same dozen arrays",
+    "cuda/heat_coloured.py:_heat_pairs_coloured": (
+        "walks a cell and its 13 partners; cut in two, both halves would take the same dozen arrays"
+    ),
 }
 
 
 def body_lines(node):
-    """Lines of a function without its signature and docstring: long argument lists are the registry's business."""
+    """Lines of a function without signature and docstring: argument lists are the registry's business."""
     body = node.body[1:] if ast.get_docstring(node) else node.body
     return node.end_lineno - body[0].lineno + 1 if body else 0
 
@@ -52,7 +53,9 @@ def test_compiled_code_neither_raises_nor_prints():
         for node in functions(path):
             for inner in ast.walk(node):
                 assert not isinstance(inner, (ast.Raise, ast.Assert)), f"{path.name}:{node.name}"
-                called = getattr(getattr(inner, "func", None), "id", "") if isinstance(inner, ast.Call) else ""
+                called = (
+                    getattr(getattr(inner, "func", None), "id", "") if isinstance(inner, ast.Call) else ""
+                )
                 assert called != "print", f"{path.name}:{node.name}"
 
 

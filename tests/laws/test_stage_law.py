@@ -12,8 +12,11 @@ from melt.stages import STAGES
 
 #: Files whose stages may have more than 12 arguments, and why.
 LONG = {
-    "heat": "enthalpy curves of particles: point, latent capacity and both heat capacities come with the temperature",
-    "heat_source": "as heat", "heat_pairs": "as heat", "heat_coloured": "as heat", "heat_explicit": "as heat",
+    "heat": "enthalpy curves: point, latent capacity and both heat capacities come with the temperature",
+    "heat_source": "as heat",
+    "heat_pairs": "as heat",
+    "heat_coloured": "as heat",
+    "heat_explicit": "as heat",
     "heat_cg": "as heat",
     "contact": "pairs of one body are skipped by lattice distance, which needs its sites beside the motion",
     "freezing": "a liquid particle is matched with sites, regions and the material it freezes to at once",
@@ -41,9 +44,19 @@ def test_stage_stores_only_to_what_the_registry_says_it_writes(stage):
 @pytest.mark.parametrize("stage", STAGES)
 def test_kernels_store_only_to_what_the_registry_says_the_stage_writes(stage):
     node = function("cuda", stage)
-    kernels = {f.name: f for f in tree(ROOT / "cuda" / f"{STAGES[stage].file}.py").body if isinstance(f, ast.FunctionDef)}
-    launches = [n for n in ast.walk(node) if isinstance(n, ast.Call) and isinstance(n.func, ast.Attribute)
-                and n.func.attr == "launch" and isinstance(n.func.value, ast.Name)]
+    kernels = {
+        f.name: f
+        for f in tree(ROOT / "cuda" / f"{STAGES[stage].file}.py").body
+        if isinstance(f, ast.FunctionDef)
+    }
+    launches = [
+        n
+        for n in ast.walk(node)
+        if isinstance(n, ast.Call)
+        and isinstance(n.func, ast.Attribute)
+        and n.func.attr == "launch"
+        and isinstance(n.func.value, ast.Name)
+    ]
     for call in launches:
         kernel = kernels.get(call.func.value.id)
         if kernel is None:  # imported from a private file, whose arguments have general names
@@ -81,7 +94,9 @@ def test_every_public_function_of_the_twins_is_a_registered_stage():
         for path in sorted((ROOT / side).glob("[!_]*.py")):
             for node in tree(path).body:
                 if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
-                    assert node.name in STAGES and STAGES[node.name].file == path.stem, f"{side}/{path.name}: {node.name}"
+                    assert node.name in STAGES and STAGES[node.name].file == path.stem, (
+                        f"{side}/{path.name}: {node.name}"
+                    )
 
 
 def test_fields_name_known_extents_and_kinds():

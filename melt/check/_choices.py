@@ -1,0 +1,124 @@
+"""Parameters of the check inputs, and the variants in which each stage is checked."""
+
+from melt import params as P
+from melt.check import _cloud
+
+#: Parameter tuples with values that exercise every term.
+TUPLES = {
+    "smoothing": (P.Smoothing, dict(support=_cloud.SUPPORT, kernel=P.CUBIC, laplacian=P.L_VISC)),
+    "grid": (P.Grid, {}),  # from the cloud
+    "fluid": (
+        P.Fluid,
+        dict(
+            sound_speed=20.0,
+            viscosity=P.ARTIFICIAL,
+            alpha=0.2,
+            mu=0.5,
+            solid_friction=0.15,
+            wall_friction=0.05,
+            mirror=1.0,
+            clamp=1,
+            density_factor=1.0015,
+            minimum_volume=_cloud.SPACING**3,
+            number_density=1,
+            gravity_x=0.3,
+            gravity_y=-0.2,
+            gravity_z=-9.81,
+            expansion=2e-4,
+            reference_temperature=20.0,
+            drag=0.5,
+            xsph=0.1,
+            surface_tension=0.7,
+        ),
+    ),
+    "lattice": (
+        P.Lattice,
+        dict(
+            width=2,
+            spacing=_cloud.SPACING,
+            solid_volume=P.VOLUME_REST,
+            solid_scale=0.77,
+            rotation=P.ROTATION_SVD,
+            iterations=60,
+            tolerance=1e-7,
+            stiffness=0.9,
+            damping=0.05,
+            refill=P.REFILL_AFFECTED,
+            connect=26,
+        ),
+    ),
+    "contact": (P.Contact, dict(distance=_cloud.SPACING, stiffness=0.25, damping=0.1, friction=0.2)),
+    "guard": (P.Guard, dict(distance=0.5 * _cloud.SPACING)),
+    "heat": (
+        P.Heat,
+        dict(
+            law=P.HEAT_PHYSICAL,
+            current_volume=0,
+            full_sweep=0,
+            latent=1,
+            ambient_temperature=15.0,
+            ambient_transfer=5e7,
+            full_neighbours=80.0,
+            ambient_area=2.5,
+            spacing=_cloud.SPACING,
+            wall_fixed=0,
+        ),
+    ),
+    "change": (P.Change, dict(own_liquid=1, latent=1, hysteresis=0.5, reach=0.6 * _cloud.SPACING, speed=2.0)),
+    "reconstruction": (
+        P.Reconstruction,
+        dict(reach=2 * _cloud.SPACING, radius=0.6 * _cloud.SPACING, correct=1, temperature=1),
+    ),
+    "domain": (
+        P.Domain,
+        dict(lower_x=-1.0, lower_y=-1.0, lower_z=-1.0, upper_x=1.5, upper_y=6.0, upper_z=20.0, delete=1),
+    ),
+}
+
+#: Scalars: value; an int stays int32, a float gets the run's precision.
+SCALARS = {
+    "dt": 1e-3,
+    "smallest": 3,
+    "factor": 0.3,
+    "full_neighbours": 80.0,
+    "first": 2,
+    "count": 5,
+    "slot": 7,
+    "lag": 2e-3,
+    "reverse": 0,
+}
+
+#: Entries of parameter tuples that switch code paths, and the values to try one at a time.
+SWITCHES = {
+    "smoothing": {"kernel": (0, 1, 2), "laplacian": (0, 1, 2)},
+    "fluid": {"viscosity": (0, 1), "clamp": (0, 1), "number_density": (0, 1), "mirror": (0.0, 1.0)},
+    "lattice": {
+        "solid_volume": (0, 1, 2),
+        "rotation": (0, 1, 2),
+        "refill": (0, 1, 2),
+        "connect": (6, 18, 26),
+        "width": (0, 1, 2),
+    },
+    "heat": {
+        "law": (0, 1),
+        "current_volume": (0, 1),
+        "full_sweep": (0, 1),
+        "latent": (0, 1),
+        "wall_fixed": (0, 1),
+    },
+    "change": {"own_liquid": (0, 1), "latent": (0, 1)},
+    "domain": {"delete": (0, 1)},
+    "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
+}
+
+#: Extra variants of single stages.
+EXTRA = {
+    "reorder_scalar": [{"kind": "int"}],
+    "neighbours_grid": [{"capacity": 20}],
+    "neighbours_kdtree": [{"capacity": 20}],
+    "heat_onesided": [{"reverse": 1}],
+    "crumble": [{"smallest": 0}, {"smallest": 8}],
+}
+
+#: What stages need besides when there is no particle, or one.
+SMALL = {"emit_motion": {"count": 0, "slot": 0}, "emit_matter": {"count": 0, "slot": 0}}
