@@ -18,7 +18,7 @@ GPU_MD = pathlib.Path(__file__).parents[2] / "docs" / "gpu.md"
 WIDE = {
     "rigid._sums": "sums over the thousands of members of a component are float64 by choice (a baseline)",
     "rigid._pose": "as rigid._sums",
-    "surface_field._surface_field": "libdevice's cosf takes arguments beyond 105615 through float64; here 0 .. pi/3",
+    "surface_field._surface_field": "cosf of libdevice: float64 for arguments beyond 105615; here 0 .. pi/3",
 }
 
 if OBSTACLE:
