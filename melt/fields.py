@@ -121,6 +121,7 @@ _TABLE = [
     _f("site_adjacent", "site link", "int", "1", "", "sites of the same body by offset, vacant ones included, -1 for none"),
     _f("site_hops", "site", "int", "1", "", "scratch: hops to the nearest site that froze in this step"),
     _f("freeze_site", "particle", "int", "1", "", "vacant site that a freezing particle would take, -1 for none"),
+    _f("freeze_shift", "3 particle", "real", "m", "spacing", "predicted position of that site minus the particle's"),
     _f("freeze_distance", "particle", "int", "1", "", "distance to that site in 1/4096 of the reach"),
     _f("frozen", "reduction", "int", "1", "", "sites that were taken in this step, counted in 64 pieces"),
     _f("component_centre", "3 site", "real", "m", "spacing", "centre of mass of the component minus the position of its first particle"),

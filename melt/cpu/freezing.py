@@ -18,7 +18,7 @@ def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
-    lattice, change, freeze_site, freeze_distance,
+    lattice, change, freeze_site, freeze_distance, freeze_shift,
 ):
     """See `melt.reference.freezing.freeze_choice`."""
     real = type(lattice.spacing)
@@ -26,6 +26,9 @@ def freeze_choice(
     for i in prange(phase.shape[0]):
         freeze_site[i] = -1
         freeze_distance[i] = 0
+        freeze_shift[0, i] = real(0)
+        freeze_shift[1, i] = real(0)
+        freeze_shift[2, i] = real(0)
         if phase[i] != LIQUID or material_freezes_to[material[i]] < 0:
             continue
         point = material_melting_point[material_freezes_to[material[i]]]
@@ -64,6 +67,7 @@ def freeze_choice(
                     key = int(math.floor(d / change.reach * real(4096) + real(0.5)))
                     if key < best or (key == best and s < taken):
                         best, taken = key, s
+                        freeze_shift[0, i], freeze_shift[1, i], freeze_shift[2, i] = a, b, c
         if taken >= 0:
             freeze_site[i] = taken
             freeze_distance[i] = best
@@ -104,8 +108,9 @@ def freeze_claim(
 
 @cpu_stage
 def freeze_particles(
-    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
-    rest_volume,
+    freeze_site, freeze_shift, claim, material_freezes_to, material_density, change, position, phase,
+    material, site,
+    mass, rest_volume,
 ):
     """See `melt.reference.freezing.freeze_particles`."""
     for i in prange(phase.shape[0]):
@@ -113,6 +118,8 @@ def freeze_particles(
         if s >= 0 and claim[s] == i:
             row = material_freezes_to[material[i]]
             phase[i], site[i], material[i] = SOLID, s, row
+            for a in range(3):
+                position[a, i] += freeze_shift[a, i]
             if change.own_liquid:
                 rest_volume[i] = mass[i] / material_density[row]
             else:

@@ -15,7 +15,7 @@ def _freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
-    lattice, change, freeze_site, freeze_distance,
+    lattice, change, freeze_site, freeze_distance, freeze_shift,
 ):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
@@ -24,6 +24,9 @@ def _freeze_choice(
     dx = lattice.spacing
     freeze_site[i] = -1
     freeze_distance[i] = 0
+    freeze_shift[0, i] = real(0)
+    freeze_shift[1, i] = real(0)
+    freeze_shift[2, i] = real(0)
     if phase[i] != LIQUID or material_freezes_to[material[i]] < 0:
         return
     point = material_melting_point[material_freezes_to[material[i]]]
@@ -61,6 +64,7 @@ def _freeze_choice(
                 key = int(math.floor(d / change.reach * real(4096) + real(0.5)))
                 if key < best or (key == best and s < taken):
                     best, taken = key, s
+                    freeze_shift[0, i], freeze_shift[1, i], freeze_shift[2, i] = a, b, c
     if taken >= 0:
         freeze_site[i] = taken
         freeze_distance[i] = best
@@ -70,14 +74,14 @@ def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
-    lattice, change, freeze_site, freeze_distance,
+    lattice, change, freeze_site, freeze_distance, freeze_shift,
 ):
     """See `melt.reference.freezing.freeze_choice`."""
     _freeze_choice.launch(
         phase.shape[0], position, velocity, phase, material, temperature, latent_energy, site, site_adjacent,
         site_link_count, neighbour_count, neighbour_index, region_rotation, region_shift,
         material_melting_point,
-        material_freezes_to, lattice, change, freeze_site, freeze_distance,
+        material_freezes_to, lattice, change, freeze_site, freeze_distance, freeze_shift,
     )
 
 
@@ -138,8 +142,9 @@ def freeze_claim(
 
 @cuda_kernel
 def _freeze_particles(
-    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
-    rest_volume,
+    freeze_site, freeze_shift, claim, material_freezes_to, material_density, change, position, phase,
+    material, site,
+    mass, rest_volume,
 ):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
@@ -150,6 +155,8 @@ def _freeze_particles(
         phase[i] = SOLID
         site[i] = s
         material[i] = row
+        for a in range(3):
+            position[a, i] += freeze_shift[a, i]
         if change.own_liquid:
             rest_volume[i] = mass[i] / material_density[row]
         else:
@@ -159,14 +166,15 @@ def _freeze_particles(
 
 
 def freeze_particles(
-    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
-    rest_volume,
+    freeze_site, freeze_shift, claim, material_freezes_to, material_density, change, position, phase,
+    material, site,
+    mass, rest_volume,
 ):
     """See `melt.reference.freezing.freeze_particles`."""
     _freeze_particles.launch(
-        phase.shape[0], freeze_site, claim, material_freezes_to, material_density, change, phase, material,
-        site, mass,
-        rest_volume,
+        phase.shape[0], freeze_site, freeze_shift, claim, material_freezes_to, material_density, change,
+        position,
+        phase, material, site, mass, rest_volume,
     )
 
 

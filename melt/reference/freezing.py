@@ -19,7 +19,7 @@ def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
-    lattice, change, freeze_site, freeze_distance,
+    lattice, change, freeze_site, freeze_distance, freeze_shift,
 ):
     """Write the vacant site that each liquid particle would freeze to, -1 for none.
 
@@ -28,11 +28,12 @@ def freeze_choice(
     Reads: position (3, n) [m], velocity (3, n) [m/s], phase, material, temperature, latent_energy, site (n,),
         site_adjacent (s, 27), site_link_count (s,), the neighbour list, region_rotation (4, s),
         region_shift (3, s) [m], material_melting_point and material_freezes_to.
-    Writes: freeze_site (n,), freeze_distance (n,) in 1/4096 of the reach.
+    Writes: freeze_site (n,), freeze_distance (n,) in 1/4096 of the reach, freeze_shift (3, n) = y - x [m].
     """
     step = offsets(27) * float(lattice.spacing)
     freeze_site[:] = -1
     freeze_distance[:] = 0
+    freeze_shift[:] = 0
     for i in np.flatnonzero(phase == 0):
         solid = material_freezes_to[material[i]]
         if solid < 0:
@@ -55,10 +56,12 @@ def freeze_choice(
                 if site_link_count[s] > 0:
                     continue
                 y = region_shift[:, q] + turn(region_rotation[:, q].astype(float)) @ step[k]
-                d = np.linalg.norm(position[:, j].astype(float) - position[:, i] + y)
+                shift = position[:, j].astype(float) - position[:, i] + y
+                d = np.linalg.norm(shift)
                 if d < change.reach:
                     key = (int(np.floor(d / change.reach * 4096 + 0.5)), int(s))
-                    best = key if best is None else min(best, key)
+                    if best is None or key < best:
+                        best, freeze_shift[:, i] = key, shift
         if best is not None:
             freeze_distance[i], freeze_site[i] = best
 
@@ -84,20 +87,25 @@ def freeze_claim(
 
 
 def freeze_particles(
-    freeze_site, claim, material_freezes_to, material_density, change, phase, material, site, mass,
-    rest_volume,
+    freeze_site, freeze_shift, claim, material_freezes_to, material_density, change, position, phase,
+    material, site,
+    mass, rest_volume,
 ):
     """Make solid of the particles that won a site; a liquid particle that had it before forgets it.
 
+    The particle is put on its site with its velocity kept: left where it was, the next goal would
+    fetch it in one sub-step, at up to 0.6 dx / dts (measured: 40 m/s and a burst body).
+
     Own liquid: mass stays, V0 = m / rho_solid. Ambient liquid: V0 stays, m = rho_solid V0.
 
-    Reads: freeze_site (n,), claim (s,), material_freezes_to, material_density [kg/m^3].
-    Writes: phase, material, site (n,), mass (n,) [kg], rest_volume (n,) [m^3].
+    Reads: freeze_site (n,), freeze_shift (3, n) [m], claim (s,), material_freezes_to, material_density.
+    Writes: position (3, n) [m], phase, material, site (n,), mass (n,) [kg], rest_volume (n,) [m^3].
     """
     for i in range(len(phase)):
         s = freeze_site[i]
         if s >= 0 and claim[s] == i:
             phase[i], site[i] = 1, s
+            position[:, i] += freeze_shift[:, i]
             material[i] = material_freezes_to[material[i]]
             if change.own_liquid:
                 rest_volume[i] = mass[i] / material_density[material[i]]
