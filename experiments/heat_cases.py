@@ -131,7 +131,7 @@ def uniform_end(scene, size=1.0, latent=False, **options):
                        latent_heat=(0.0, 0.0), melting_point=(math.inf, math.inf))
         truth = ((total - ice) * hot + ice * cold) / total
     slab = Slab((n, n, n), **common, **options)
-    dt = (2.0 if latent else 20.0) * slab.spacing**2 / slab.alpha
+    dt = (10.0 if latent else 20.0) * slab.spacing**2 / slab.alpha
     for _ in range(100):
         slab.step(dt, 4)
         T = slab.read("temperature")

@@ -10,28 +10,8 @@ pair, so that the sum of E is kept to round-off however far the iteration went.
 
 import numpy as np
 
-from melt.reference._enthalpy import Enthalpy, conductances
-
-SHARES = 64
-
-
-def _rows(neighbour_count, neighbour_index):
-    for i, count in enumerate(np.asarray(neighbour_count)):
-        yield i, np.asarray(neighbour_index)[i, :count]
-
-
-def _shares(values):
-    n = len(values)
-    return [values[k * n // SHARES:(k + 1) * n // SHARES] for k in range(SHARES)]
-
-
-def heat_conductance(
-    position, conductivity, heat_volume, neighbour_count, neighbour_index, smoothing, heat, heat_conductance,
-):
-    """Write G_ij = kappa_ij V_i V_j L_ij [W/K] of each list entry, shape (n, capacity)."""
-    G = conductances(position, conductivity, heat_volume, smoothing, heat)
-    for i, near in _rows(neighbour_count, neighbour_index):
-        heat_conductance[i, : len(near)] = G[i, near]
+from melt.reference._enthalpy import Enthalpy
+from melt.reference._shares import rows, shares
 
 
 def cg_guess(temperature, temperature_next, heat_flux):
@@ -80,13 +60,13 @@ def cg_start(
 ):
     """Write residual r, diagonal D, p = r/D and the partial sums of r.r/D (row 0)."""
     T, C = temperature_next.astype(float), heat_linear.astype(float)
-    for i, near in _rows(neighbour_count, neighbour_index):
+    for i, near in rows(neighbour_count, neighbour_index):
         G = heat_conductance[i, : len(near)].astype(float)
         held = np.isinf(C[i])
         cg_residual[i] = 0.0 if held else heat_excess[i] + float(dt) * (G * (T[near] - T[i])).sum()
         cg_diagonal[i] = C[i] + float(dt) * G.sum()
         cg_direction[i] = cg_residual[i] / cg_diagonal[i] if cg_diagonal[i] > 0 else 0.0
-    cg_sums[0] = [s.sum() for s in _shares(cg_residual.astype(float) * cg_direction)]
+    cg_sums[0] = [s.sum() for s in shares(cg_residual.astype(float) * cg_direction)]
 
 
 def cg_apply(
@@ -94,10 +74,10 @@ def cg_apply(
 ):
     """Write A p = C p + dt sum_j G_ij (p_i - p_j) and the partial sums of p.Ap (row 1)."""
     p, C = cg_direction.astype(float), heat_linear.astype(float)
-    for i, near in _rows(neighbour_count, neighbour_index):
+    for i, near in rows(neighbour_count, neighbour_index):
         G = heat_conductance[i, : len(near)].astype(float)
         cg_product[i] = 0.0 if np.isinf(C[i]) else C[i] * p[i] + float(dt) * (G * (p[i] - p[near])).sum()
-    cg_sums[1] = [s.sum() for s in _shares(p * cg_product)]
+    cg_sums[1] = [s.sum() for s in shares(p * cg_product)]
 
 
 def cg_step(cg_direction, cg_product, cg_diagonal, temperature_next, cg_residual, cg_sums):
@@ -107,7 +87,7 @@ def cg_step(cg_direction, cg_product, cg_diagonal, temperature_next, cg_residual
     temperature_next[:] = temperature_next + a * cg_direction
     cg_residual[:] = cg_residual - a * cg_product
     z = cg_residual / np.where(cg_diagonal > 0, cg_diagonal, np.inf)
-    cg_sums[2] = [s.sum() for s in _shares(cg_residual * z)]
+    cg_sums[2] = [s.sum() for s in shares(cg_residual * z)]
 
 
 def cg_turn(cg_residual, cg_diagonal, cg_direction, cg_sums):
@@ -116,41 +96,3 @@ def cg_turn(cg_residual, cg_diagonal, cg_direction, cg_sums):
     b = cg_sums[2].sum() / old if old > 0 else 0.0
     cg_direction[:] = cg_residual / np.where(cg_diagonal > 0, cg_diagonal, np.inf) + b * cg_direction
     cg_sums[0] = cg_sums[2]
-
-
-def heat_balance(
-    temperature, temperature_next, latent_energy, heat_capacity, heat_capacity_molten, latent_point,
-    latent_capacity, heat_conductance, neighbour_count, neighbour_index, heat, dt, heat_flux, heat_error,
-):
-    """Write the heat that T' drives into each particle, and how far that is from T'.
-
-    Writes: heat_flux (n,) [J] = dt sum_j G_ij (T_j' - T_i'); heat_error (3, 64) [K]: largest
-        abs(T(E^n + heat_flux) - T'), lowest and highest of T^n and T' of particles with neighbours.
-    """
-    curve = Enthalpy(heat, heat_capacity, heat_capacity_molten, latent_point, latent_capacity)
-    T, guess = temperature.astype(float), temperature_next.astype(float)
-    gap, low, high = (np.zeros(len(T)), np.full(len(T), np.inf), np.full(len(T), -np.inf))
-    for i, near in _rows(neighbour_count, neighbour_index):
-        G = heat_conductance[i, : len(near)].astype(float)
-        held = np.isinf(curve.C[i])
-        heat_flux[i] = 0.0 if held else float(dt) * (G * (guess[near] - guess[i])).sum()
-        e = float(latent_energy[i]) if heat.latent else 0.0
-        gap[i] = abs(curve.absorb(i, float(heat_flux[i]), T[i], e)[0] - guess[i])
-        gap[i] = gap[i] if np.isfinite(gap[i]) else np.inf
-        if len(near):
-            low[i], high[i] = min(T[i], guess[i]), max(T[i], guess[i])
-    heat_error[0] = [s.max(initial=0.0) for s in _shares(gap)]
-    heat_error[1] = [s.min(initial=np.inf) for s in _shares(low)]
-    heat_error[2] = [s.max(initial=-np.inf) for s in _shares(high)]
-
-
-def heat_finish(
-    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature, latent_energy,
-):
-    """Write T^{n+1} and the latent energy of the enthalpy E^n + heat_flux."""
-    curve = Enthalpy(heat, heat_capacity, heat_capacity_molten, latent_point, latent_capacity)
-    for i in range(len(temperature)):
-        e = float(latent_energy[i]) if heat.latent else 0.0
-        temperature[i], e = curve.absorb(i, float(heat_flux[i]), float(temperature[i]), e)
-        if heat.latent:
-            latent_energy[i] = e

@@ -17,7 +17,7 @@ LONG = {
     "heat_pairs": "as heat",
     "heat_coloured": "as heat",
     "heat_explicit": "as heat",
-    "heat_cg": "as heat",
+    "heat_balance": "as heat",
     "contact": "pairs of one body are skipped by lattice distance, which needs its sites beside the motion",
     "freezing": "a liquid particle is matched with sites, regions and the material it freezes to at once",
     "rigid": "both the sites and the motion of a body and of its particles",
