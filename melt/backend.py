@@ -1,5 +1,6 @@
 """The single place that chooses a backend."""
 
+import os
 from typing import NamedTuple
 
 import numpy as np
@@ -77,6 +78,23 @@ def load(name="auto"):
         raise MeltError(f"backend 'cuda' cannot run here: {obstacle}. Use --backend cpu, or cuda-emulated to check kernels")
     _compile.Kernel.emulated = False
     return Backend("cuda", "cuda", True, reason)
+
+
+def check_memory(wanted):
+    """Refuse a run that needs more memory [bytes] than this machine has, before the system ends it.
+
+    Raises:
+        MeltError: says how much is needed and what to lower.
+    """
+    try:
+        there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):  # unknown on some systems
+        return
+    if wanted > there:
+        raise MeltError(
+            f"the run needs {wanted / 1e9:.3g} GB of memory, this machine has {there / 1e9:.3g} GB: raise domain.spacing, "
+            "make the scene smaller, or lower solver.max_neighbours and solver.width"
+        )
 
 
 def set_threads(threads):

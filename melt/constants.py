@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from melt import params as P
+from melt.errors import InputError
 
 KERNELS = {"cubic": P.CUBIC, "wendland2": P.WENDLAND2, "mueller": P.MUELLER}
 LAPLACIANS = {"visc": P.L_VISC, "brook": P.L_BROOK, "brook_regular": P.L_BROOK_REGULAR}
@@ -110,6 +111,13 @@ def params_of(scene, particles, sound_speed, real):
     }
     if scene.heat is not None:
         tuples["heat"], tuples["change"] = heat_of(scene, real), change_of(scene, real)
+    for kind, constants in tuples.items():
+        for name, value in getattr(constants, "_asdict", dict)().items():
+            if not np.isfinite(value):
+                raise InputError(
+                    f"{kind}.{name} = {value} is not finite in {np.dtype(real).name}: a number of the scene is too large; "
+                    "lower it, or set solver.precision = 'double'"
+                )
     return tuples
 
 

@@ -31,25 +31,34 @@ def check_initial(initial, precision):
         if bad.any():
             index = np.unravel_index(int(np.argmax(bad)), bad.shape)
             where = ", ".join(map(str, index))
+            most = f" of at most {largest:.3g} in {precision} precision" if np.isfinite(values[index]) else ""
             raise InputError(
-                f"initial state: {name}[{where}] = {values[index]} {FIELDS[name].unit if name in FIELDS else ''}".rstrip()
-                + f", and {int(bad.sum()) - 1} more: it must be a finite number"
-                + (f" of at most {largest:.3g} in {precision} precision" if np.isfinite(values[index]) else "")
+                f"initial state: {name}[{where}] = {values[index]:g} {FIELDS[name].unit}{_more(bad)}: "
+                f"it must be a finite number{most}"
             )
     mobile = np.isin(initial["phase"], (LIQUID, SOLID))
     for name in ("mass", "rest_volume"):
         bad = mobile & (initial[name] <= 0)
         if bad.any():
             i = int(np.argmax(bad))
-            raise InputError(f"initial state: {name}[{i}] = {initial[name][i]}: liquid and solid particles need more than 0")
+            raise InputError(
+                f"initial state: {name}[{i}] = {initial[name][i]:g} {FIELDS[name].unit}: "
+                "liquid and solid particles need more than 0"
+            )
+
+
+def _more(bad):
+    others = int(bad.sum()) - 1
+    return f" (and {others} more)" if others else ""
 
 
 def check_number(name, value, above=None, at_least=None):
     """Return a number given by the user, or raise `InputError` if it is not finite or out of range."""
     value = float(value)
-    if not math.isfinite(value) or (above is not None and value <= above) or (at_least is not None and value < at_least):
-        range_ = f" greater than {above:g}" if above is not None else f" of at least {at_least:g}" if at_least is not None else ""
-        raise InputError(f"{name} = {value:g} is not allowed: it must be a finite number{range_}")
+    low = above is not None and value <= above or at_least is not None and value < at_least
+    if low or not math.isfinite(value):
+        allowed = f" greater than {above:g}" if above is not None else f" of at least {at_least:g}"
+        raise InputError(f"{name} = {value:g} is not allowed: it must be a finite number{allowed}")
     return value
 
 
@@ -88,11 +97,16 @@ def not_finite(sim):
                 i = int(np.argmax(bad))
                 x = np.array2string(state.read("position")[:, i], precision=4)
                 return (
-                    f"{when}: field {name} (stage {stage}) is not finite at particle {int(state.read('id')[i])}, position "
-                    f"{x} m, and {int(bad.sum()) - 1} others. The frames before are kept. Lower time.dt, fix time.n_sub to "
-                    "more sub-steps, or raise fluid.alpha"
+                    f"{when}: field {name} (stage {stage}) is not finite at particle {int(state.read('id')[i])}, "
+                    f"position {x} m{_more(bad)}. The frames before are kept. Lower time.dt, fix time.n_sub to more "
+                    "sub-steps, or raise fluid.alpha"
                 )
-    return f"{when}: speeds are not finite. The frames before are kept. Lower time.dt"
+    speed = np.where(active, np.linalg.norm(state.read("velocity").astype(np.float64), axis=0), -1.0)
+    i = int(np.argmax(speed))
+    return (
+        f"{when}: the square of field velocity or of force/mass (stage motion_bounds) is not finite; particle "
+        f"{int(state.read('id')[i])} has {speed[i]:.3g} m/s. The frames before are kept. Lower time.dt or the speeds"
+    )
 
 
 #: Particle fields in which infinity means something (see `melt.fields`).

@@ -45,6 +45,7 @@ class Simulation:
         self.prepared = plan.prepare(self.scene, self.initial, precision)
         self.backend = backends.load(backend) if isinstance(backend, str) else backend
         p = self.prepared
+        backends.check_memory(p.nbytes)
         if p.need.solids:
             sites = (self.initial[n] for n in ("site_cell", "site_body", "site_particle"))
             self.initial.arrays.update(lattice_fields(*sites, connect=self.scene.solver.connect))
@@ -66,7 +67,7 @@ class Simulation:
                 self.state.set(name, values)
         self._timed_from = self._notes_from = 0
         clock = self.do.clock
-        clock.active = self.initial.active
+        clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
         melting.start(self.do)
         mobile = np.isin(self.initial["phase"], (LIQUID, SOLID))

@@ -7,7 +7,7 @@ import numpy as np
 from melt.errors import GeometryError
 from melt.geometry.materials import heater_table, material_table
 from melt.geometry.nozzles import nozzle_table
-from melt.geometry.shapes import keys, sample
+from melt.geometry.shapes import affordable, keys, sample
 from melt.geometry.walls import beyond_walls, wall_cells
 from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
 
@@ -47,6 +47,12 @@ class Initial:
         """Particles at the start: the first slots, in this number."""
         return int((self.arrays["phase"] != INACTIVE).sum())
 
+    @property
+    def top_speed(self):
+        """Largest speed of a liquid or solid particle at the start [m/s]; the first step is laid out for it."""
+        mobile = np.isin(self.arrays["phase"], (LIQUID, SOLID))
+        return float(np.linalg.norm(self.arrays["velocity"][:, mobile], axis=0).max(initial=0.0))
+
 
 def build(scene):
     """Sample the geometry of a `melt.scene.Scene` and return its `Initial` state.
@@ -63,6 +69,7 @@ def build(scene):
     nozzles, inflow = nozzle_table(scene)
     _free(scene, nozzles, inflow["inflow_position"], np.hstack([walls, *solids]))
     spare = sum(n.layers * n.count for n in nozzles)
+    affordable(spare, "inflow, layers times particles of a layer")
     arrays = _particles(scene, fills, solids, walls, spare, rows, table)
     arrays.update(_sites(scene, solids, arrays, notes))
     arrays.update(table)

@@ -6,6 +6,7 @@ from melt.errors import GeometryError
 from melt.geometry import mesh
 
 _OFFSET = 1 << 20  # cells fit into 21 bits each
+MOST_CELLS = 100_000_000  # of one shape, of the domain's box, of all particles; more is a slip of the pen
 
 
 def sample(placed, domain, name, notes):
@@ -22,7 +23,7 @@ def sample(placed, domain, name, notes):
     elif placed.shape == "mesh":
         cells = _mesh(placed, lower, dx, name, notes)
     else:
-        cells = _round(placed, lower, dx)
+        cells = _round(placed, lower, dx, name)
     if cells.shape[1] == 0:
         raise GeometryError(
             f"{name}: no lattice point at spacing {dx:g} m is inside: enlarge it or lower domain.spacing"
@@ -32,6 +33,19 @@ def sample(placed, domain, name, notes):
             f"{name}: more than {_OFFSET} spacings away from domain.lower: move it or raise domain.spacing"
         )
     return cells[:, np.lexsort((cells[0], cells[1], cells[2]))]
+
+
+def affordable(count, name):
+    """Refuse to sample more than `MOST_CELLS` cells, before anything is allocated.
+
+    Raises:
+        GeometryError: names what is too large.
+    """
+    if not count <= MOST_CELLS:
+        raise GeometryError(
+            f"{name}: {float(count):.3g} lattice cells, more than the {MOST_CELLS:,} that fit: check its size (m), "
+            "or raise domain.spacing"
+        )
 
 
 def keys(cells):
@@ -48,6 +62,7 @@ def _box(placed, lower, dx, name, notes):
         start = np.array(placed.position) - 0.5 * size
         if placed.anchor == "base":
             start[2] = placed.position[2]
+    affordable(np.prod(size / dx), name)
     count = np.maximum(np.floor(size / dx + 0.5), 1).astype(np.int64)
     if (np.abs(count * dx - size) > 1e-3 * dx).any():
         notes.append(f"{name}: edges {_metres(size)} m rounded to {_metres(count * dx)} m, whole spacings")
@@ -58,7 +73,7 @@ def _box(placed, lower, dx, name, notes):
     return first[:, None] + np.stack([g.ravel() for g in np.indices(count)])
 
 
-def _round(placed, lower, dx):
+def _round(placed, lower, dx, name):
     """Sphere or cylinder: cells whose centre is inside (surface included)."""
     half = np.full(3, placed.radius)
     flat = {"x": 0, "y": 1, "z": 2}[placed.axis or "z"]
@@ -68,6 +83,7 @@ def _round(placed, lower, dx):
     if placed.anchor == "base":
         centre[2] += half[2] / dx
     radius = half / dx
+    affordable(np.prod(2 * radius), name)
     first = np.ceil(centre - radius - 1e-9).astype(np.int64)
     count = np.maximum(np.floor(centre + radius + 1e-9).astype(np.int64) - first + 1, 0)
     cells = first[:, None] + np.stack([g.ravel() for g in np.indices(count)])
@@ -88,6 +104,7 @@ def _mesh(placed, lower, dx, name, notes):
         lift = -points[:, 2].min() if placed.anchor == "base" else 0.0
         return points + position + [0.0, 0.0, lift]
 
+    affordable(placed.particles or np.prod(np.ptp(vertices, axis=0) * (placed.scale or 1.0) / dx), name)
     if placed.particles is None:
         return mesh.voxelise(place(vertices * ((placed.scale or 1.0) / dx)), triangles)
     cells, scale = mesh.voxelise_to_count(vertices, triangles, place, placed.particles)

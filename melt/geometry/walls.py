@@ -1,13 +1,19 @@
 """Walls around the domain, on its lattice."""
 
+import math
+
 import numpy as np
 
+from melt.geometry.shapes import affordable
 from melt.scene.model import SIDES
 
 
 def wall_cells(domain):
     """Return the cells (3, n) of the walls: layers outside of each walled side, edges and corners filled."""
     layers, sides = domain.walls.layers, domain.walls.sides
+    if not sides:
+        return np.zeros((3, 0), np.int64)
+    affordable(math.prod(float(c) + 2 * layers for c in domain.cells), "domain with walls")
     cells = np.array(domain.cells)
     index = np.indices(cells + 2 * layers).reshape(3, -1) - layers
     outside = np.zeros(index.shape[1], dtype=bool)

@@ -207,7 +207,8 @@ def sub_steps(do, dt):
     if s.n_sub is None and n_sub > s.n_sub_max:
         raise MeltError(
             f"time step: at t = {do.clock.time:.4g} s the bound '{governing}' allows sub-steps of "
-            f"{limits[governing]:.3g} s, {n_sub} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max}: "
+            f"{limits[governing]:.3g} s, {n_sub} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max} "
+            f"(largest speed {do.clock.max_speed:.3g} m/s, sound speed {s.sound_speed:.3g} m/s): "
             "lower time.dt, raise time.n_sub_max, or lower fluid.sound_speed"
         )
     do.note("n_sub", n_sub)
