@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from experiments import heat_cases as cases
+from experiments import heat_fronts as fronts
 from experiments.heat_slab import wall_plane
 from melt import params as P
 
@@ -14,11 +15,11 @@ def check(rows):
 
 
 def test_published_roots():
-    roots = [cases.neumann_one_phase(s) for s in (0.1, 0.25, 0.5, 1, 2)]
+    roots = [fronts.neumann_one_phase(s) for s in (0.1, 0.25, 0.5, 1, 2)]
     assert roots == pytest.approx([0.220016, 0.340082, 0.464786, 0.620063, 0.800601], abs=1e-6)
-    assert cases.neumann_two_phase(1, 0.25) == pytest.approx(0.534587, abs=1e-6)
-    assert cases.neumann_two_phase(0.5, 0.125) == pytest.approx(0.420557, abs=1e-6)
-    roots = [cases.neumann_ice(40, 10), cases.neumann_ice(80, 20), cases.neumann_ice(100, 10)]
+    assert fronts.neumann_two_phase(1, 0.25) == pytest.approx(0.534587, abs=1e-6)
+    assert fronts.neumann_two_phase(0.5, 0.125) == pytest.approx(0.420557, abs=1e-6)
+    roots = [fronts.neumann_ice(40, 10), fronts.neumann_ice(80, 20), fronts.neumann_ice(100, 10)]
     assert roots == pytest.approx([0.41789, 0.53371, 0.63138], abs=1e-5)
 
 
@@ -72,14 +73,14 @@ def test_v7_melt_depth(hot, cold):
 
 
 def test_v8_stefan():
-    rows = cases.stefan(1.0, layers=6, half_width=6)
+    rows = fronts.stefan(1.0, layers=6, half_width=6)
     check([(name, truth, measured, 0.03) for name, truth, measured, _ in rows])  # 1 % needs s >= 10 dx
 
 
 def test_v9_two_phase():
-    rows = cases.two_phase(0, 0, equal=(1.0, 0.25), layers=5, half_width=5)
+    rows = fronts.two_phase(0, 0, equal=(1.0, 0.25), layers=5, half_width=5)
     check([(name, truth, measured, 0.05) for name, truth, measured, _ in rows])  # 1.5 % needs s >= 10 dx
 
 
 def test_gallium_conduction():
-    check(cases.gallium(layers=30, half_width=5))
+    check(fronts.gallium(layers=30, half_width=5))
