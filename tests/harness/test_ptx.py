@@ -14,12 +14,6 @@ from melt.stages import STAGES
 pytestmark = pytest.mark.toolchain
 OBSTACLE = ptx.why_not()
 GPU_MD = pathlib.Path(__file__).parents[2] / "docs" / "gpu.md"
-#: Kernels with double-precision instructions in single precision, and why.
-WIDE = {
-    "rigid._sums": "sums over the thousands of members of a component are float64 by choice (a baseline)",
-    "rigid._pose": "as rigid._sums",
-    "surface_field._surface_field": "cosf of libdevice: float64 for arguments beyond 105615; here 0 .. pi/3",
-}
 
 if OBSTACLE:
     pytest.skip(OBSTACLE, allow_module_level=True)
@@ -47,11 +41,11 @@ def test_every_kernel_compiles_for_every_capability_in_single_precision(single):
 
 def test_single_precision_kernels_have_no_double_precision_instructions(single):
     wide = {row.kernel: row.doubles for row in single if row.doubles}
-    assert set(wide) <= set(WIDE), wide
+    assert set(wide) <= set(ptx.WIDE), wide
 
 
 def test_exemptions_from_single_precision_are_needed(single):
-    assert set(WIDE) <= {row.kernel for row in single if row.doubles}
+    assert set(ptx.WIDE) <= {row.kernel for row in single if row.doubles}
 
 
 def test_every_kernel_compiles_in_double_precision():
