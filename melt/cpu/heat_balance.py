@@ -64,7 +64,8 @@ def heat_balance(
 
 @cpu_stage
 def heat_finish(
-    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature, latent_energy,
+    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature,
+    latent_energy,
 ):
     """See `melt.reference.heat_cg.heat_finish`."""
     real = type(heat.spacing)

@@ -74,7 +74,8 @@ def heat_explicit(
             temperature_next[i] = T if q == real(0) else T + q / heat_capacity[i]
             continue
         T, e = absorb(
-            q, T, latent_energy[i], latent_point[i], heat_capacity[i], heat_capacity_molten[i], latent_capacity[i]
+            q, T, latent_energy[i], latent_point[i], heat_capacity[i], heat_capacity_molten[i],
+            latent_capacity[i],
         )
         temperature_next[i] = T
         latent_energy[i] = e

@@ -38,7 +38,8 @@ def heat_conductance(
 
 @cuda_kernel
 def _heat_finish(
-    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature, latent_energy,
+    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature,
+    latent_energy,
 ):
     i = cuda.grid(1)
     if i >= temperature.shape[0]:
@@ -57,7 +58,8 @@ def _heat_finish(
 
 
 def heat_finish(
-    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature, latent_energy,
+    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature,
+    latent_energy,
 ):
     """See `melt.reference.heat_cg.heat_finish`."""
     _heat_finish.launch(

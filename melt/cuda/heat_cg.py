@@ -136,8 +136,8 @@ def cg_apply(
 ):
     """See `melt.reference.heat_cg.cg_apply`."""
     _cg_apply.launch(
-        heat_linear.shape[0], cg_direction, heat_linear, heat_conductance, neighbour_count, neighbour_index, dt,
-        cg_product,
+        heat_linear.shape[0], cg_direction, heat_linear, heat_conductance, neighbour_count, neighbour_index,
+        dt, cg_product,
     )
     _dot.launch(64, cg_direction, cg_product, 1, cg_sums)
 

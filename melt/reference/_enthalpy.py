@@ -16,7 +16,8 @@ def conductances(position, conductivity, heat_volume, smoothing, heat):
     else:
         total = k[:, None] + k[None, :]
         kappa = 2 * k[:, None] * k[None, :] / np.where(total > 0, total, 1.0)
-    G = kappa * V[:, None] * V[None, :] * np.where(r < float(smoothing.support), laplacian_weight(r, smoothing), 0.0)
+    L = np.where(r < float(smoothing.support), laplacian_weight(r, smoothing), 0.0)
+    G = kappa * V[:, None] * V[None, :] * L
     np.fill_diagonal(G, 0.0)
     return G
 

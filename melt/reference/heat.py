@@ -25,7 +25,8 @@ def thermal_properties(
     V0 = np.where(inactive, 0.0, rest_volume.astype(np.float64))
     V = V0
     if heat.current_volume:  # the paper's V = m/rho of liquids, V_k^t of solids
-        V = np.where(liquid, m / np.where(liquid & (density > 0), density, 1.0), np.where(inactive | wall, V0, volume))
+        flowing = m / np.where(liquid & (density > 0), density, 1.0)
+        V = np.where(liquid, flowing, np.where(inactive | wall, V0, volume))
     C = V if heat.law == 0 else m * material_specific_heat[material].astype(np.float64)
     conductivity[:] = np.where(inactive, 0.0, material_conductivity[material])
     heat_volume[:] = np.where(wall & (heat.wall_fixed == 0), 0.0, V)

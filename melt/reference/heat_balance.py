@@ -48,7 +48,8 @@ def heat_balance(
 
 
 def heat_finish(
-    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature, latent_energy,
+    heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_flux, heat, temperature,
+    latent_energy,
 ):
     """Write T^{n+1} and the latent energy of the enthalpy E^n + heat_flux."""
     curve = Enthalpy(heat, heat_capacity, heat_capacity_molten, latent_point, latent_capacity)

@@ -12,7 +12,9 @@ import numpy as np
 from melt.reference._enthalpy import Enthalpy, conductances, latent_of
 
 OFFSETS = (
-    [(0, 0, 0), (1, 0, 0)] + [(a, 1, 0) for a in (-1, 0, 1)] + [(a, b, 1) for b in (-1, 0, 1) for a in (-1, 0, 1)]
+    [(0, 0, 0), (1, 0, 0)]
+    + [(a, 1, 0) for a in (-1, 0, 1)]
+    + [(a, b, 1) for b in (-1, 0, 1) for a in (-1, 0, 1)]
 )
 
 

@@ -23,7 +23,7 @@ def heat_onesided(
     n = len(temperature)
     G = conductances(position, conductivity, heat_volume, smoothing, heat)
     curve = Enthalpy(heat, heat_capacity, heat_capacity_molten, latent_point, latent_capacity)
-    C_point = np.where(curve.changes, curve.m, np.nan)
+    point = np.where(curve.changes, curve.m, np.nan)
     start, e = temperature.astype(np.float64), latent_of(heat, latent_energy, n)
     for i in range(n):
         T_i = {i: start[i]}
@@ -31,8 +31,8 @@ def heat_onesided(
             near = np.flatnonzero(G[i] > 0)
             for j in near[::-1] if reverse > 0 else near:
                 g = float(dt) * G[i, j]
-                held = start[j] == C_point[j]
-                C_j = np.inf if held else (curve.C_molten[j] if curve.changes[j] and start[j] > curve.m[j] else curve.C[j])
+                C_j = curve.C_molten[j] if curve.changes[j] and start[j] > curve.m[j] else curve.C[j]
+                C_j = np.inf if start[j] == point[j] else C_j
                 partner = Enthalpy(
                     heat, [curve.C[i], C_j], [curve.C_molten[i], C_j],
                     [curve.m[i], np.inf], [curve.L[i], 0.0],

@@ -54,8 +54,9 @@ def thermal_substeps(settings):
     if settings.heat_substeps == "auto":
         if settings.fourier_number > SUBSTEPS_LIMIT * PAIRS_UP_TO:
             raise MeltError(
-                f"heat.substeps = 'auto': a Fourier number of {settings.fourier_number:.3g} asks for more than "
-                f"{SUBSTEPS_LIMIT} sub-steps: lower time.dt or the conductivity, or set heat.substeps = 1 (cg is stable)"
+                f"heat.substeps = 'auto': a Fourier number of {settings.fourier_number:.3g} asks for more "
+                f"than {SUBSTEPS_LIMIT} sub-steps: lower time.dt or the conductivity, or set "
+                "heat.substeps = 1 (cg is stable)"
             )
         return max(1, math.ceil(settings.fourier_number / PAIRS_UP_TO))
     return settings.heat_substeps
@@ -98,8 +99,8 @@ def explicit(do, dt):
     limit = dt_limit(do)
     if dt > SUBSTEPS_LIMIT * limit:
         raise MeltError(
-            f"heat.solver = 'explicit': it is stable for steps of {limit:.3g} s, more than {SUBSTEPS_LIMIT} of them in "
-            f"dt = {dt:.3g} s: lower time.dt or the conductivity, or set heat.solver to 'auto'"
+            f"heat.solver = 'explicit': it is stable for steps of {limit:.3g} s, more than {SUBSTEPS_LIMIT} "
+            f"of them in dt = {dt:.3g} s: lower time.dt or the conductivity, or set heat.solver to 'auto'"
         )
     substeps = max(1, math.ceil(dt / limit))
     for _ in range(substeps):
@@ -149,7 +150,8 @@ def backward_euler(do, dt):
         imbalance, lowest, highest = do.read("heat_error")
         error, extent = float(imbalance.max()), float(highest.max() - lowest.min())
         # the flux form rounds differences of T that dt G / C multiplies
-        rounding = 1000 * float(np.finfo(imbalance.dtype).eps) * float(max(abs(highest.max()), abs(lowest.min())))
+        hottest = float(max(abs(highest.max()), abs(lowest.min())))
+        rounding = 1000 * float(np.finfo(imbalance.dtype).eps) * hottest
         converged = error <= 100 * rtol * extent + rounding
         if converged or not math.isfinite(error):
             break
