@@ -128,7 +128,7 @@ def uniform_end(scene, size=1.0, latent=False, **options):
         truth = ((total - ice) * hot + ice * cold) / total
     slab = Slab((n, n, n), **common, **options)
     dt = (10.0 if latent else 20.0) * slab.spacing**2 / slab.alpha
-    for _ in range(100):
+    for _ in range(400):
         slab.step(dt, 4)
         T = slab.read("temperature")
         if np.ptp(T) < 1e-7:
