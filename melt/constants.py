@@ -90,7 +90,7 @@ def params_of(scene, particles, sound_speed, real):
         "fluid": P.make(
             P.Fluid, real, sound_speed=sound_speed, viscosity=P.LAMINAR if f.viscosity == "laminar" else P.ARTIFICIAL,
             alpha=f.alpha, mu=f.mu, solid_friction=f.alpha if f.solid_friction is None else f.solid_friction,
-            wall_friction=f.wall_friction, mirror=s.mirror, clamp=int(f.clamp), density_factor=density_factor(scene),
+            wall_friction=f.alpha if f.wall_friction is None else f.wall_friction, mirror=s.mirror, clamp=int(f.clamp), density_factor=density_factor(scene),
             minimum_volume=dx**3, number_density=int(s.density_form == "number"),
             gravity_x=scene.domain.gravity[0], gravity_y=scene.domain.gravity[1], gravity_z=scene.domain.gravity[2],
             expansion=f.expansion, drag=f.drag, xsph=f.xsph, surface_tension=f.surface_tension,

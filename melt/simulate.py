@@ -1,6 +1,5 @@
 """Run a scene: the loop around a step page, with frames, checkpoints, ledgers and clean ends."""
 
-import hashlib
 import pathlib
 import signal
 import time
@@ -11,12 +10,13 @@ import numpy as np
 from melt import backend as backends
 from melt import plan
 from melt.bind import Lockstep, Plain, Timed
-from melt.diagnostics import series
+from melt.diagnostics import hydrostatic, series
 from melt.errors import MeltError
 from melt.fields import FIELDS
 from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
+from melt.output import checkpoint
 from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
 from melt.preflight import findings
 from melt.scene import load_scene, scene_from_toml
@@ -62,10 +62,16 @@ class Simulation:
                 self.state.set(name, self.initial[name])
         # liquids start at their rest density: what reads it before the first density pass sees that
         used = np.maximum(self.initial["rest_volume"], 1e-300)
-        for name, values in (("density", self.initial["mass"] / used), ("volume", self.initial["rest_volume"])):
+        begin = {
+            "density": self.initial["mass"] / used,
+            "volume": self.initial["rest_volume"],
+            "wall_pressure": hydrostatic(self.scene, self.initial),
+        }
+        for name, values in begin.items():
             if name in self.state:
                 self.state.set(name, values)
         self._timed_from = self._notes_from = 0
+        self._fingerprint = checkpoint.fingerprint(self.scene.to_toml())
         clock = self.do.clock
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
@@ -150,21 +156,17 @@ class Simulation:
     def checkpoint(self):
         """Return (arrays, meta) from which `restore` continues bit-identically."""
         arrays = {n: self.state.read(n) for n in plan.carried(self.prepared)}
-        meta = {"clock": vars(self.do.clock), "precision": self.prepared.precision, "scene": _digest(self.scene)}
+        meta = {"clock": vars(self.do.clock), "precision": self.prepared.precision, "scene": self._fingerprint}
         return arrays, meta
 
     def restore(self, arrays, meta):
         """Continue from `checkpoint`; `MeltError` if it is of another scene."""
-        if meta.get("scene") != _digest(self.scene) or set(arrays) != set(plan.carried(self.prepared)):
+        if meta.get("scene") != self._fingerprint or set(arrays) != set(plan.carried(self.prepared)):
             raise MeltError("the checkpoint belongs to another scene than the run file beside it: start the run afresh")
         for name, values in arrays.items():
             self.state.set(name, values)
         vars(self.do.clock).update(meta["clock"])
         self.restart_timers()
-
-
-def _digest(scene):
-    return hashlib.sha256(scene.to_toml().encode()).hexdigest()
 
 
 _OUTPUT = {
@@ -193,7 +195,6 @@ def run(
     Raises:
         MeltError: bad scene, output that cannot be written, an unstable step.
     """
-    from melt.output import checkpoint
     from melt.output.provenance import provenance
     from melt.output.run_file import RunWriter
 
@@ -204,11 +205,14 @@ def run(
     initial = build(scene)
     chosen = backends.load(backend)
     writer = None
+    check_initial(initial, precision or scene.solver.precision)
+    plan.prepare(scene, initial, precision)  # what cannot run leaves an older output alone
     if output is not None:  # before the compiler runs: a bad path must not cost a minute
         facts = provenance(chosen.name, precision or scene.solver.precision, threads)
         writer = RunWriter(output, scene.to_toml(), facts, overwrite=overwrite)
-        checkpoint.beside(output).unlink(missing_ok=True)  # of the run that was replaced
     try:
+        if writer:
+            checkpoint.discard(checkpoint.beside(output))  # of the run that was replaced
         say("compile", message="compiling stages (cached for the next run)")
         sim = Simulation(scene, chosen, precision, timed=not chosen.on_device, lockstep=lockstep, initial=initial)
         for finding in findings(scene, initial, sim.prepared):
@@ -220,6 +224,8 @@ def run(
     finally:
         if writer:
             writer.close()
+            if not writer.frames:  # it failed before the first: nothing is worth keeping
+                writer.path.unlink(missing_ok=True)
 
 
 def resume(path, backend=None, threads=None, progress=None, until=None):
@@ -228,7 +234,6 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     Raises:
         MeltError: no run file, no checkpoint, or a file that is not one of melt's.
     """
-    from melt.output import checkpoint
     from melt.output.run_file import RunWriter
     from melt.output.run_reader import open_run
 
@@ -236,7 +241,8 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     backends.set_threads(threads)
     past = open_run(path)
     arrays, meta = checkpoint.load(checkpoint.beside(path))
-    sim = Simulation(scene_from_toml(past.scene_text), backend or meta["backend"], meta["precision"], timed=True)
+    scene = scene_from_toml(past.scene_text, f"scene of {path}")
+    sim = Simulation(scene, backend or meta["backend"], meta["precision"], timed=True)
     end = sim.scene.time.end if until is None else check_number("until", until, at_least=0)
     sim.restore(arrays, meta)
     writer = RunWriter.resume(path, frames=int(meta["frames"]))
@@ -255,8 +261,6 @@ def _append(writer, sim, say):
 
 
 def _save(writer, sim):
-    from melt.output import checkpoint
-
     sim.check()
     arrays, meta = sim.checkpoint()
     meta |= {"frames": writer.frames, "backend": sim.backend.name}
@@ -284,7 +288,7 @@ def _loop(sim, writer, say, end):
             sim.step()
             step = sim.do.clock.step
             if sim.do.notes.get("inflow_stopped") == step:
-                say("warning", message=f"t = {sim.time:.4g} s: every particle slot is in use, the inflow stopped")
+                say("warning", message=f"t = {sim.time:.4g} s: all particle slots are taken, the inflow stopped")
             say("step", step=step, time=sim.time, n_sub=sim.do.notes.get("n_sub", 0))
             if writer and (step % t.output_steps == 0 or step == total):
                 _append(writer, sim, say)

@@ -87,9 +87,10 @@ _LIST = [
            f"position phase site site_component site_link_count {_NEAR}", "smoothing lattice", "volume", _SUM, partial=True),
     _stage("density", "density", "melting (1)", f"position phase mass volume rest_volume {_NEAR}", "smoothing fluid", "density", _SUM),
     _stage("tait_pressure", "pressure", "melting 2.3", "phase mass volume density", "fluid", "pressure", _STIFF),
+    _stage("wall_pressure", "pressure", "melting 2.4", "phase pressure wall_pressure", "blend", "wall_pressure", _FEW),
     # ---- forces: line 5-7
     _stage("fluid_force", "force", "melting (2), (3)",
-           f"position velocity phase mass volume density pressure {_NEAR}", "smoothing fluid", "force", _STIFF, partial=True),
+           f"position velocity phase mass volume density pressure wall_pressure {_NEAR}", "smoothing fluid", "force", _STIFF, partial=True),
     _stage("reaction_force", "force", "melting (2), (3), Newton 3",
            f"position velocity phase mass volume density pressure {_NEAR}", "smoothing fluid", "force", _STIFF, partial=True),
     _stage("laminar_force", "viscosity", "melting 2.3, (3')",

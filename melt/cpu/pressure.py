@@ -13,3 +13,12 @@ def tait_pressure(phase, mass, volume, density, fluid, pressure):
             pressure[i] = tait(density[i], mass[i] / volume[i], fluid)
         else:
             pressure[i] = 0
+
+
+@cpu_stage
+def wall_pressure(phase, pressure, blend, wall_pressure):
+    """See `melt.reference.pressure.wall_pressure`."""
+    real = type(blend)
+    for i in prange(phase.shape[0]):
+        mean = wall_pressure[i]
+        wall_pressure[i] = mean + blend * (pressure[i] - mean) if phase[i] == LIQUID else real(0)

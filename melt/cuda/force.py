@@ -7,7 +7,7 @@ from melt.physics.phases import LIQUID, SOLID
 
 @cuda_kernel
 def _fluid_force(
-    position, velocity, phase, mass, volume, density, pressure, neighbour_count, neighbour_index,
+    position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count, neighbour_index,
     smoothing, fluid, force,
 ):
     i = cuda.grid(1)
@@ -32,7 +32,7 @@ def _fluid_force(
         v_x = (u_i - velocity[0, j]) * x + (v_i - velocity[1, j]) * y + (w_i - velocity[2, j]) * z
         g_x = fluid.gravity_x * x + fluid.gravity_y * y + fluid.gravity_z * z
         f = pair_factor(
-            x * x + y * y + z * z, v_x, g_x, phase[j], V_i, m_i, rho_i, p_i,
+            x * x + y * y + z * z, v_x, g_x, phase[j], V_i, m_i, rho_i, p_i, wall_pressure[i],
             volume[j], mass[j], density[j], pressure[j], smoothing, fluid,
         )
         fx += f * x
@@ -44,12 +44,12 @@ def _fluid_force(
 
 
 def fluid_force(
-    position, velocity, phase, mass, volume, density, pressure, neighbour_count, neighbour_index,
+    position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count, neighbour_index,
     smoothing, fluid, force,
 ):
     """See `melt.reference.force.fluid_force`."""
     _fluid_force.launch(
-        phase.shape[0], position, velocity, phase, mass, volume, density, pressure, neighbour_count,
+        phase.shape[0], position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count,
         neighbour_index, smoothing, fluid, force,
     )
 
@@ -80,7 +80,7 @@ def _reaction_force(
         v_x = (u_i - velocity[0, j]) * x + (v_i - velocity[1, j]) * y + (w_i - velocity[2, j]) * z
         # the liquid's own formula from the solid's side: F_{k<-i} = -f x_ik = f x_ki
         f = pair_factor(
-            x * x + y * y + z * z, v_x, real(0), SOLID, volume[j], mass[j], density[j], pressure[j],
+            x * x + y * y + z * z, v_x, real(0), SOLID, volume[j], mass[j], density[j], pressure[j], real(0),
             V_i, m_i, rho_i, real(0), smoothing, fluid,
         )
         fx += f * x

@@ -11,9 +11,10 @@ For liquid i, with x_ij = x_i - x_j, v_ij = v_i - v_j, hs = h/2, rho0_i = m_i/V_
 for liquid j, and for k solid or wall (2', 3'); V_k = phi_k V_min. The viscous terms act only on
 pairs that approach (v.x < 0): nu_ij = 2 alpha hs cs/(rho_i + rho_j), nu_ik = sigma hs cs/(2 rho_i).
 
-The boundary's pressure p_k is p_i for solids (2'). For walls it is p_i - rho_i g . x_ik, within
-0 and 2 p_i: (2') with the pressure that a liquid at rest would have there. Without that term
-liquid beside a vertical wall misses the wall's share of the pressure gradient and sinks.
+The boundary's pressure p_k is p_i for solids (2'). For walls it is P_i - rho_i g . x_ik, within
+0 and 2 P_i, with the recent mean P_i of p_i: the pressure that a liquid at rest would have there.
+Without the head, liquid beside a vertical wall misses the wall's share of the pressure gradient
+and sinks; without the mean, a tank keeps itself in motion (see `melt.physics.coupling`).
 """
 
 import numpy as np
@@ -21,7 +22,9 @@ import numpy as np
 from melt.reference._pairs import gradW, separations
 
 
-def pair_forces(position, velocity, phase, mass, volume, density, pressure, smoothing, fluid):
+def pair_forces(
+    position, velocity, phase, mass, volume, density, pressure, wall_pressure, smoothing, fluid
+):
     """Return F (3, n, n) [N], F[:, i, j] on liquid i from j (any phase); 0 for other i."""
     x_ij, r = separations(position)
     v = np.asarray(velocity, dtype=np.float64)
@@ -39,8 +42,9 @@ def pair_forces(position, velocity, phase, mass, volume, density, pressure, smoo
     # pressure: symmetric form between liquids; (2') against boundaries, walls with hydrostatic head
     push = np.where(to_liquid, -VV * (s[:, None] + s[None, :]), 0.0)
     g_x = (_gravity(fluid)[:, :, None] * x_ij).sum(axis=0)
-    head = np.clip(rho[:, None] * g_x, -np.abs(p)[:, None], np.abs(p)[:, None])
-    p_k = p[:, None] - np.where(phase == 2, head, 0.0)
+    P = np.asarray(wall_pressure, dtype=np.float64)[:, None]
+    head = np.clip(rho[:, None] * g_x, -np.abs(P), np.abs(P))
+    p_k = np.where(phase[None, :] == 2, P - head, p[:, None])
     push += np.where(to_boundary, -VV * (s[:, None] + float(fluid.mirror) * p_k), 0.0)
 
     # artificial viscosity between liquids; friction (3') against boundaries
@@ -60,16 +64,16 @@ def _gravity(fluid):
 
 
 def fluid_force(
-    position, velocity, phase, mass, volume, density, pressure, neighbour_count, neighbour_index,
+    position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count, neighbour_index,
     smoothing, fluid, force,
 ):
     """Write the force on liquid particles: pressure, viscosity, gravity; 0 for all but solids.
 
     Reads: position (3, n) [m], velocity (3, n) [m/s], phase (n,), mass (n,) [kg], volume (n,)
-        [m^3], density (n,) [kg/m^3], pressure (n,) [Pa]; all pairs.
+        [m^3], density (n,) [kg/m^3], pressure and wall_pressure (n,) [Pa]; all pairs.
     Writes: force (3, n) [N]; solids keep theirs.
     """
-    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, smoothing, fluid)
+    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, wall_pressure, smoothing, fluid)
     total = F.sum(axis=2) + np.asarray(mass, dtype=np.float64) * _gravity(fluid)
     force[:, phase != 1] = np.where(phase == 0, total, 0.0)[:, phase != 1]
 
@@ -82,6 +86,6 @@ def reaction_force(
 
     Reads: as `fluid_force`. Writes: force (3, n) [N] of solids; all others keep theirs.
     """
-    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, smoothing, fluid)
+    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, pressure, smoothing, fluid)
     total = -F.sum(axis=1) + np.asarray(mass, dtype=np.float64) * _gravity(fluid)
     force[:, phase == 1] = total[:, phase == 1]

@@ -18,3 +18,13 @@ def tait_pressure(phase, mass, volume, density, fluid, pressure):
         p = np.where(p < 0, 0.0, p)
     pressure[:] = 0.0
     pressure[liquid] = p
+
+
+def wall_pressure(phase, pressure, blend, wall_pressure):
+    """Relax the mean pressure of liquid particles: P += blend (p - P), blend = dt/tau; others 0.
+
+    Walls near a liquid particle carry this mean (see `melt.reference.force`).
+    Reads: phase (n,), pressure (n,) [Pa], ``blend`` in [0, 1]. Writes: wall_pressure (n,) [Pa].
+    """
+    mean = wall_pressure.astype(np.float64)
+    wall_pressure[:] = np.where(phase == 0, mean + blend * (pressure - mean), 0.0)

@@ -120,8 +120,8 @@ class Fluid(Section):
     """Dynamic viscosity of "laminar"."""
     solid_friction: NonNegative | None = None
     """Friction of liquid on solids; alpha unless given."""
-    wall_friction: NonNegative = 0.0
-    """Friction of liquid on walls; 0 is free slip."""
+    wall_friction: NonNegative | None = None
+    """Friction of liquid on walls; alpha unless given, 0 is free slip."""
     sound_speed: PositiveSpeed | Literal["auto", "legal"] = "auto"
     """"auto": reference speed / sqrt(compression); "legal": such that dt / n_sub is just stable."""
     compression: Annotated[Positive, Field(le=0.1)] = 0.01

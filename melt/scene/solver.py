@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
-from melt.scene.quantities import NonNegative, Positive, Section, Share, quantity
+from melt.scene.quantities import NonNegative, Positive, PositiveTime, Section, Share, quantity
 
 Width = Annotated[int, Field(ge=0, le=5)]
 
@@ -34,6 +34,8 @@ class Solver(Section):
     """Scale the density so that the rest lattice has the rest density; "auto": if it is off by over 0.5 %."""
     mirror: Share = 1.0
     """Share of the liquid's pressure that solids and walls carry; 0 is the paper's eq (2)."""
+    wall_memory: PositiveTime | Literal["auto"] = "auto"
+    """Time over which walls average the pressure that they carry; "auto": 1.5 sqrt(depth / g)."""
     solid_volume: Literal["rest", "akinci", "shell"] = "rest"
     """Volumes of solid particles in density sums."""
     solid_scale: Positive = 0.77

@@ -37,6 +37,7 @@ def calls(real):
             real(8),
             real(1000),
             real(1000),
+            real(900),
             real(0.008),
             real(8),
             real(1000),
@@ -88,7 +89,7 @@ def test_printed_coupling_force(mirror, force):
     f = fluid(np.float64, mirror=mirror)
     factor = coupling.pair_factor(
         0.04, 0.0, 0.0, np.int32(SOLID),
-        0.008, 8.0, 1000.0, 1000.0, 0.008, 1.0, 9.0, 0.0, smoothing(np.float64), f,
+        0.008, 8.0, 1000.0, 1000.0, 1000.0, 0.008, 1.0, 9.0, 0.0, smoothing(np.float64), f,
     )
     assert factor * 0.2 == pytest.approx(force, rel=1e-9)
 
@@ -98,7 +99,7 @@ def test_a_boundary_of_volume_zero_does_nothing():
     for phase in (SOLID, WALL):
         assert (
             coupling.pair_factor(
-                0.04, -1.0, 0.3, np.int32(phase), 0.008, 8.0, 1010.0, 5.0, 0.0, 8.0, 9.0, 0.0, s, f
+                0.04, -1.0, 0.3, np.int32(phase), 0.008, 8.0, 1010.0, 5.0, 5.0, 0.0, 8.0, 9.0, 0.0, s, f
             )
             == 0
         )
