@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from melt.check.compare import SENTINEL, difference, stage_function
+from melt.check.compare import SENTINEL, difference, meaning, stage_function
 from melt.errors import MeltError
 from melt.fields import CARRIED, FIELDS
 from melt.stages import STAGES
@@ -159,9 +159,13 @@ class Lockstep(Plain):
             mirrored.append(self.follower.upload(host))
         super()._call(stage, arguments)
         stage_function(stage.name, self.follower.folder)(*mirrored)
-        for k, name in enumerate(names):
-            if name in stage.writes and name not in stage.scratch:
-                self._compare(stage, name, self.backend.download(arguments[k]), self.follower.download(mirrored[k]))
+        written = [(k, n) for k, n in enumerate(names) if n in stage.writes and n not in stage.scratch]
+        led = {name: self.backend.download(arguments[k]) for k, name in written}
+        for k, name in written:
+            followed, mask = self.follower.download(mirrored[k]), meaning(name, led)
+            if mask is not None:  # what means nothing is not compared
+                followed = np.where(mask, followed, led[name])
+            self._compare(stage, name, led[name], followed)
 
     def _compare(self, stage, field, led, followed):
         found = difference(stage.name, field, led, followed, self.state.precision, self.scales)

@@ -126,7 +126,7 @@ def lattice_of(scene, real):
     s = scene.solver
     wide = real is np.float64
     iterations = (60 if wide else 25) if s.rotation_iterations == "auto" else s.rotation_iterations
-    tolerance = (1e-10 if wide else 1e-6) if s.rotation_tolerance is None else s.rotation_tolerance
+    tolerance = (1e-14 if wide else 1e-7) if s.rotation_tolerance is None else s.rotation_tolerance
     return P.make(
         P.Lattice, real, width=s.width, spacing=scene.spacing, solid_volume=VOLUMES[s.solid_volume],
         solid_scale=s.solid_scale, rotation=ROTATIONS[s.rotation], iterations=iterations, tolerance=tolerance,

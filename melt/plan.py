@@ -167,6 +167,7 @@ def scales_of(scene, initial, settings):
         "density": rho, "pressure": pressure, "temperature": max(1.0, float(np.ptp(T))), "conductivity": k or 1.0,
         "heat_capacity": c * dx**3, "heat": c * dx**3 * max(1.0, float(np.ptp(T))), "latent_energy": latent or 1.0,
         "specific_heat": c, "latent_heat": 1.0, "number_density": 1 / dx**3, "rate": 0.1 * cs / dx,
+        "acceleration": cs**2 / dx * 0.01, "rate2": (0.1 * cs / dx) ** 2,
     }
 
 

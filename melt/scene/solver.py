@@ -62,12 +62,12 @@ class Solver(Section):
     """Share of the way to the goal position taken per sub-step."""
     damping: Share = 0.05
     """Damping towards region-rigid motion per outer step."""
-    rotation: Literal["svd", "horn", "iterative"] = "horn"
+    rotation: Literal["svd", "horn", "iterative"] = "iterative"
     """Routine of the region rotation."""
     rotation_iterations: PositiveInt | Literal["auto"] = "auto"
     """Cap of "iterative": 60 in double, 25 in single and mixed precision."""
     rotation_tolerance: Positive | None = None
-    """Of "iterative": 1e-10 in double, 1e-6 in single and mixed precision unless given."""
+    """Of "iterative": 1e-14 (of the squared turn) in double, 1e-7 in single and mixed precision unless given."""
     refill: Literal["all", "changed", "affected"] = "affected"
     """Regions to fill again after melting; all three give the same regions."""
     connect: Literal[6, 18, 26] = 26
