@@ -86,6 +86,7 @@ SCALARS = {
     "slot": 7,
     "lag": 2e-3,
     "reverse": 0,
+    "blend": 0.3,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.

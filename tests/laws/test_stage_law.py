@@ -18,6 +18,7 @@ LONG = {
     "heat_coloured": "as heat",
     "heat_explicit": "as heat",
     "heat_balance": "as heat",
+    "force": "both partners' mechanical state, and the pressure that walls carry",
     "contact": "pairs of one body are skipped by lattice distance, which needs its sites beside the motion",
     "freezing": "a liquid particle is matched with sites, regions and the material it freezes to at once",
     "rigid": "both the sites and the motion of a body and of its particles",
