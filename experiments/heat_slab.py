@@ -101,6 +101,15 @@ class Slab:
             page.heat(self.do, dt)
         return self
 
+    def melt(self):
+        """Make every solid particle whose latent heat is complete liquid (material row 0)."""
+        phase, material = self.do.read("phase"), self.do.read("material")
+        full = (phase == 1) & (self.read("latent_energy") >= self.read("latent_capacity"))
+        phase[full], material[full] = 0, 0
+        self.state.set("phase", phase)
+        self.state.set("material", material)
+        return self
+
     def read(self, name):
         """Return a float64 (or int) host copy of a field."""
         values = self.do.read(name)
