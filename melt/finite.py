@@ -86,28 +86,39 @@ def not_finite(sim):
     state, clock = sim.state, sim.do.clock
     active = state.read("phase") != INACTIVE
     when = f"step {clock.step}, t = {clock.time:.5g} s"
-    for stage in sim.prepared.stages:
-        for name in STAGES[stage].writes:
-            if name not in state or FIELDS[name].kind == "int" or FIELDS[name].shape[-1] != "particle":
-                continue
-            if name in _MAY_BE_INFINITE_RUNNING:
-                continue
-            bad = _bad(state.read(name), active)
-            if bad.any():
-                i = int(np.argmax(bad))
-                x = np.array2string(state.read("position")[:, i], precision=4)
-                return (
-                    f"{when}: field {name} (stage {stage}) is not finite at particle {int(state.read('id')[i])}, "
-                    f"position {x} m{_more(bad)}. The frames before are kept. Lower time.dt, fix time.n_sub to more "
-                    "sub-steps, or raise fluid.alpha"
-                )
+    after = (
+        "The frames before are kept. Lower time.dt, fix time.n_sub to more sub-steps, or raise fluid.alpha"
+    )
+    names = (name for stage in sim.prepared.stages for name in STAGES[stage].writes)
+    for name in dict.fromkeys(names):
+        field = FIELDS.get(name)
+        if (
+            name not in state
+            or field.kind == "int"
+            or field.shape[-1] != "particle"
+            or name in _INFINITE_ALLOWED
+        ):
+            continue
+        bad = _bad(state.read(name), active)
+        if bad.any():
+            i = int(np.argmax(bad))
+            x = np.array2string(state.read("position")[:, i], precision=4)
+            stages = " or ".join(s for s in sim.prepared.stages if name in STAGES[s].writes)
+            who = f"particle {int(state.read('id')[i])}, position {x} m{_more(bad)}"
+            return f"{when}: field {name} (stage {stages}) is not finite at {who}. {after}"
     speed = np.where(active, np.linalg.norm(state.read("velocity").astype(np.float64), axis=0), -1.0)
     i = int(np.argmax(speed))
     return (
-        f"{when}: the square of field velocity or of force/mass (stage motion_bounds) is not finite; particle "
-        f"{int(state.read('id')[i])} has {speed[i]:.3g} m/s. The frames before are kept. Lower time.dt or the speeds"
+        f"{when}: the square of field velocity or of force/mass (stage motion_bounds) is not finite; "
+        f"particle {int(state.read('id')[i])} has {speed[i]:.3g} m/s. {after}"
     )
 
 
 #: Particle fields in which infinity means something (see `melt.fields`).
-_MAY_BE_INFINITE_RUNNING = {"latent_point", "heat_capacity", "heat_capacity_molten", "heat_linear", "cg_diagonal"}
+_INFINITE_ALLOWED = {
+    "latent_point",
+    "heat_capacity",
+    "heat_capacity_molten",
+    "heat_linear",
+    "cg_diagonal",
+}

@@ -1,7 +1,6 @@
 """Run a scene: the loop around a step page, with frames, checkpoints, ledgers and clean ends."""
 
 import pathlib
-import signal
 import time
 from types import SimpleNamespace
 
@@ -16,6 +15,7 @@ from melt.fields import FIELDS
 from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
+from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
 from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
 from melt.preflight import findings
@@ -71,6 +71,7 @@ class Simulation:
             if name in self.state:
                 self.state.set(name, values)
         self._timed_from = self._notes_from = 0
+        self.lost_told = False
         self._fingerprint = checkpoint.fingerprint(self.scene.to_toml())
         clock = self.do.clock
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
@@ -156,13 +157,14 @@ class Simulation:
     def checkpoint(self):
         """Return (arrays, meta) from which `restore` continues bit-identically."""
         arrays = {n: self.state.read(n) for n in plan.carried(self.prepared)}
-        meta = {"clock": vars(self.do.clock), "precision": self.prepared.precision, "scene": self._fingerprint}
+        scene, precision = self._fingerprint, self.prepared.precision
+        meta = {"clock": vars(self.do.clock), "precision": precision, "scene": scene}
         return arrays, meta
 
     def restore(self, arrays, meta):
         """Continue from `checkpoint`; `MeltError` if it is of another scene."""
         if meta.get("scene") != self._fingerprint or set(arrays) != set(plan.carried(self.prepared)):
-            raise MeltError("the checkpoint belongs to another scene than the run file beside it: start the run afresh")
+            raise MeltError("the checkpoint is of another scene than the run beside it: start the run afresh")
         for name, values in arrays.items():
             self.state.set(name, values)
         vars(self.do.clock).update(meta["clock"])
@@ -184,7 +186,7 @@ def run(
         scene: a `Scene` or its name or path.
         output: run file; nothing is written for None.
         threads: CPU threads.
-        progress: called as ``progress(event, **values)``: ``start``, ``warning``, ``step``, ``frame``, ``end``.
+        progress: called as ``progress(event, **values)``: start, warning, step, frame, end.
         overwrite: replace an existing run file.
         lockstep: second backend to compare with, stage by stage.
         until: end time in place of the scene's [s].
@@ -214,7 +216,8 @@ def run(
         if writer:
             checkpoint.discard(checkpoint.beside(output))  # of the run that was replaced
         say("compile", message="compiling stages (cached for the next run)")
-        sim = Simulation(scene, chosen, precision, timed=not chosen.on_device, lockstep=lockstep, initial=initial)
+        timed = not chosen.on_device
+        sim = Simulation(scene, chosen, precision, timed=timed, lockstep=lockstep, initial=initial)
         for finding in findings(scene, initial, sim.prepared):
             if finding.level == "warning" or finding.text in initial.notes:
                 say("warning", message=finding.advice)
@@ -255,7 +258,12 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
 
 def _append(writer, sim, say):
     sim.check()
-    writer.append(sim.time, sim.frame(), sim.series())
+    values = sim.series()
+    writer.append(sim.time, sim.frame(), values)
+    lost = values["lost_particles"]
+    if lost and not sim.lost_told:
+        sim.lost_told = True
+        say("warning", message=f"t = {sim.time:.4g} s: {lost} particles are outside of the domain")
     sim.restart_timers()
     say("frame", time=sim.time, frames=writer.frames)
 
@@ -269,26 +277,15 @@ def _save(writer, sim):
 
 def _loop(sim, writer, say, end):
     """Step to ``end``; Ctrl-C ends after the step that is under way, with a last checkpoint."""
-    stop = SimpleNamespace(asked=False)
-
-    def ask(signum, frame):
-        if stop.asked:  # the second Ctrl-C does not wait
-            raise KeyboardInterrupt
-        stop.asked = True
-
-    try:
-        previous = signal.signal(signal.SIGINT, ask)
-    except ValueError:  # not in the main thread: the caller handles Ctrl-C
-        previous = None
     t, began = sim.scene.time, time.perf_counter()
     total = max(0, round(np.ceil(end / t.dt - 1e-9)))
     say("start", steps=total, step=sim.do.clock.step, particles=sim.do.clock.active, simulation=sim)
-    try:
+    with asked_to_stop() as stop:
         while sim.do.clock.step < total and not stop.asked:
             sim.step()
             step = sim.do.clock.step
             if sim.do.notes.get("inflow_stopped") == step:
-                say("warning", message=f"t = {sim.time:.4g} s: all particle slots are taken, the inflow stopped")
+                say("warning", message=f"t = {sim.time:.4g} s: all slots are taken, the inflow stopped")
             say("step", step=step, time=sim.time, n_sub=sim.do.notes.get("n_sub", 0))
             if writer and (step % t.output_steps == 0 or step == total):
                 _append(writer, sim, say)
@@ -296,8 +293,5 @@ def _loop(sim, writer, say, end):
                 _save(writer, sim)
         if stop.asked and writer:
             _save(writer, sim)
-    finally:
-        if previous is not None:
-            signal.signal(signal.SIGINT, previous)
     say("end", interrupted=stop.asked)
     return SimpleNamespace(simulation=sim, interrupted=stop.asked, seconds=time.perf_counter() - began)

@@ -23,6 +23,23 @@ def beside(run_path):
     return pathlib.Path(f"{run_path}.ckpt")
 
 
+def fingerprint(scene_text):
+    """Return a short text that two scenes share only if they are the same."""
+    return hashlib.blake2b(scene_text.encode(), digest_size=16).hexdigest()
+
+
+def discard(path):
+    """Remove a checkpoint, if there is one.
+
+    Raises:
+        OutputError: it could not be removed.
+    """
+    try:
+        pathlib.Path(path).unlink(missing_ok=True)
+    except OSError as error:
+        raise output_error("remove checkpoint", path, error) from error
+
+
 def save(path, arrays, meta):
     """Write a checkpoint; an older one at ``path`` is replaced only by a whole new one.
 

@@ -15,16 +15,16 @@ class RunFileError(MeltError, ValueError):
 
 
 _REMEDY = {
-    errno.ENOSPC: "the disk is full; free some space or name another place with --out, "
+    errno.ENOSPC: "the disk is full; free some space or name another place with --output, "
     "then continue with `melt resume`",
-    errno.EDQUOT: "your disk quota is used up; free some space or name another place with --out, "
+    errno.EDQUOT: "your disk quota is used up; free some space or name another place with --output, "
     "then continue with `melt resume`",
     errno.EFBIG: "the file would exceed the largest size allowed here (file system or ulimit -f); "
     "write less often or raise the limit, then continue with `melt resume`",
-    errno.EACCES: "no permission to write there; name another place with --out",
-    errno.EPERM: "no permission to write there; name another place with --out",
-    errno.EROFS: "the file system is read-only; name another place with --out",
-    errno.ENOENT: "the folder does not exist; make it, or name another place with --out",
+    errno.EACCES: "no permission to write there; name another place with --output",
+    errno.EPERM: "no permission to write there; name another place with --output",
+    errno.EROFS: "the file system is read-only; name another place with --output",
+    errno.ENOENT: "the folder does not exist; make it, or name another place with --output",
     errno.EISDIR: "this is a folder; name a file",
 }
 

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import pathlib
+import shutil
 import tomllib
 
 import numpy as np
@@ -143,8 +144,8 @@ def render_frame(
     run, frame, out_png, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False
 ):
     """Write one frame as PNG."""
-    picture = Painter(run, field, surface, view, size, walls).draw(frame)
     with whole(out_png) as temporary:
+        picture = Painter(run, field, surface, view, size, walls).draw(frame)
         Image.fromarray(picture).save(temporary, format="PNG")
 
 
@@ -182,13 +183,35 @@ def render_video(
         writer.send(None)
         try:
             for done, k in enumerate(chosen):
-                writer.send(np.ascontiguousarray(painter.draw(k)))
+                picture = np.ascontiguousarray(painter.draw(k))
+                try:
+                    writer.send(picture)
+                except OSError as error:  # its pipe broke; the message is ffmpeg's whole command line
+                    raise _cut_short(out_mp4, done) from error
                 if progress:
                     progress(done + 1, len(chosen))
         finally:
             writer.close()
-        if not temporary.exists() or temporary.stat().st_size == 0:
-            raise OutputError(f"cannot write {out_mp4}: ffmpeg left nothing; is the disk full?")
+        if chosen and _frames_in(temporary) != len(chosen):
+            raise _cut_short(out_mp4, _frames_in(temporary))
+
+
+def _frames_in(path):
+    """Return the frames of a video, 0 if it cannot be read: ffmpeg tells nobody when the disk is full."""
+    import imageio_ffmpeg
+
+    try:
+        return imageio_ffmpeg.count_frames_and_secs(str(path))[0]
+    except (OSError, RuntimeError):
+        return 0
+
+
+def _cut_short(path, frames):
+    free = shutil.disk_usage(pathlib.Path(path).resolve().parent).free
+    return OutputError(
+        f"cannot write {path}: ffmpeg stopped after {frames} frames, of which nothing is left; the disk "
+        f"has {free / 1e6:.3g} MB free. Free some space, or name another place with --output."
+    )
 
 
 @contextlib.contextmanager
@@ -197,12 +220,14 @@ def whole(path):
     path = pathlib.Path(path)
     temporary = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
+        temporary.touch()  # a bad place must not cost the drawing
         yield temporary
         os.replace(temporary, path)
     except OSError as error:
         raise output_error("write", path, error) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def render(run_path, out, frame=-1, **options):

@@ -62,10 +62,10 @@ class RunWriter:
 
     def __init__(self, path, scene_text, provenance, overwrite=False, sync=True):
         self.path = pathlib.Path(path)
-        if self.path.exists() and not overwrite:
+        if not overwrite and os.path.lexists(self.path):  # never raises, whatever the name
             raise OutputError(
-                f"the output {self.path} exists already and was left as it is: name another file with --out, "
-                "replace it with --overwrite, or continue it with `melt resume`."
+                f"the output {self.path} exists already and was left as it is: name another file with "
+                "--output, replace it with --overwrite, or continue it with `melt resume`."
             )
         self._broken = None
         self.frames = 0

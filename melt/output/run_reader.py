@@ -29,11 +29,25 @@ class Run:
     def __init__(self, path):
         self.path = pathlib.Path(path)
         self._file = _open(self.path)
+        try:
+            self._read_tables()
+        except (KeyError, OSError, ValueError, TypeError, AttributeError, UnicodeDecodeError) as error:
+            self._file.close()
+            raise RunFileError(
+                f"{path} looks like a run file of melt, but its tables cannot be read ({error}): it was changed "
+                "or damaged; copy it again, or start the run afresh."
+            ) from error
+
+    def _read_tables(self):
         vtk = self._file["VTKHDF"]
         steps = vtk.get("Steps")
         self.times = steps["Values"][:] if steps else np.zeros(0)
         self._start = steps["PointOffsets"][:] if steps else np.zeros(0, np.int64)
         self._count = vtk["NumberOfPoints"][:] if steps else np.zeros(0, np.int64)
+        if not len(self.times) == len(self._start) == len(self._count):
+            raise ValueError(
+                f"{len(self.times)} times, {len(self._start)} offsets, {len(self._count)} counts"
+            )
         data = vtk.get("PointData", {})
         self.units = {name: _text(data[name].attrs.get("unit", b"1")) for name in data}
         if steps:
@@ -126,7 +140,7 @@ def _open(path):
         raise RunFileError(f"{path} cannot be read as HDF5: {error}.") from error
     try:
         kind = file["VTKHDF"].attrs["Type"]
-        known = kind in (b"PolyData", "PolyData") and "melt" in file
+        known = kind in (b"PolyData", "PolyData") and "melt/scene" in file
         if known and "Steps" in file["VTKHDF"]:
             file["VTKHDF/Steps/Values"], file["VTKHDF/Points"], file["VTKHDF/NumberOfPoints"]
     except (KeyError, OSError):

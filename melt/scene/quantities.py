@@ -27,8 +27,8 @@ def quantity(name, *, above=None, at_least=None, at_most=None, infinite=False, p
         return units.read(value, name)
 
     def check(value):
-        if math.isnan(value) or (math.isinf(value) and not infinite):
-            raise ValueError(f"{value} is not {'a number' if infinite else 'finite'}")
+        if math.isnan(value) or (math.isinf(value) and not (infinite and value > 0)):
+            raise ValueError(f"{value} is not {'a number or +inf' if infinite else 'finite'}")
         return value
 
     unit = units.QUANTITIES[name].unit
