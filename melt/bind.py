@@ -85,6 +85,10 @@ class Plain:
         """Return a host copy of a field: a declared read-back."""
         return self.state.read(name)
 
+    def forget(self):
+        """Look arguments up anew: parameters were changed by hand."""
+        self._bound.clear()
+
     def size(self, extent):
         """Return the size of an extent."""
         return self.state.sizes[extent]

@@ -69,11 +69,12 @@ def reaction_force(
             y = real(y_i - position[1, j])
             z = real(z_i - position[2, j])
             v_x = (u_i - velocity[0, j]) * x + (v_i - velocity[1, j]) * y + (w_i - velocity[2, j]) * z
+            g_x = fluid.gravity_x * x + fluid.gravity_y * y + fluid.gravity_z * z
             # the liquid's own formula from the solid's side: F_{k<-i} = -f x_ik = f x_ki
             liquid = phase[j] == LIQUID
             V_j = volume[j] if liquid else real(1)  # keeps what is dropped finite
             f = pair_factor(
-                x * x + y * y + z * z, v_x, real(0), SOLID, V_j, mass[j], density[j], pressure[j], real(0),
+                x * x + y * y + z * z, v_x, -g_x, SOLID, V_j, mass[j], density[j], pressure[j], real(0),
                 V_i, m_i, rho_i, real(0), smoothing, fluid,
             )
             f = f if liquid else real(0)

@@ -78,9 +78,10 @@ def _reaction_force(
         y = real(y_i - position[1, j])
         z = real(z_i - position[2, j])
         v_x = (u_i - velocity[0, j]) * x + (v_i - velocity[1, j]) * y + (w_i - velocity[2, j]) * z
+        g_x = fluid.gravity_x * x + fluid.gravity_y * y + fluid.gravity_z * z
         # the liquid's own formula from the solid's side: F_{k<-i} = -f x_ik = f x_ki
         f = pair_factor(
-            x * x + y * y + z * z, v_x, real(0), SOLID, volume[j], mass[j], density[j], pressure[j], real(0),
+            x * x + y * y + z * z, v_x, -g_x, SOLID, volume[j], mass[j], density[j], pressure[j], real(0),
             V_i, m_i, rho_i, real(0), smoothing, fluid,
         )
         fx += f * x

@@ -11,10 +11,10 @@ For liquid i, with x_ij = x_i - x_j, v_ij = v_i - v_j, hs = h/2, rho0_i = m_i/V_
 for liquid j, and for k solid or wall (2', 3'); V_k = phi_k V_min. The viscous terms act only on
 pairs that approach (v.x < 0): nu_ij = 2 alpha hs cs/(rho_i + rho_j), nu_ik = sigma hs cs/(2 rho_i).
 
-The boundary's pressure p_k is p_i for solids (2'). For walls it is P_i - rho_i g . x_ik, within
-0 and 2 P_i, with the recent mean P_i of p_i: the pressure that a liquid at rest would have there.
-Without the head, liquid beside a vertical wall misses the wall's share of the pressure gradient
-and sinks; without the mean, a tank keeps itself in motion (see `melt.physics.coupling`).
+The boundary's pressure is that of a liquid at rest there, p_k = P_i - rho_i g . x_ik within 0 and
+2 P_i: (2') with the hydrostatic head. P_i is p_i for solids, and for walls its recent mean. Without
+the head, liquid beside a vertical wall misses the wall's share of the pressure gradient and bodies
+are lifted too much; without the mean, a tank keeps itself in motion (see `melt.physics.coupling`).
 """
 
 import numpy as np
@@ -42,9 +42,9 @@ def pair_forces(
     # pressure: symmetric form between liquids; (2') against boundaries, walls with hydrostatic head
     push = np.where(to_liquid, -VV * (s[:, None] + s[None, :]), 0.0)
     g_x = (_gravity(fluid)[:, :, None] * x_ij).sum(axis=0)
-    P = np.asarray(wall_pressure, dtype=np.float64)[:, None]
-    head = np.clip(rho[:, None] * g_x, -np.abs(P), np.abs(P))
-    p_k = np.where(phase[None, :] == 2, P - head, p[:, None])
+    mean = np.asarray(wall_pressure, dtype=np.float64)[:, None]
+    P = np.where(phase[None, :] == 2, mean, p[:, None])
+    p_k = P - np.clip(rho[:, None] * g_x, -np.abs(P), np.abs(P))
     push += np.where(to_boundary, -VV * (s[:, None] + float(fluid.mirror) * p_k), 0.0)
 
     # artificial viscosity between liquids; friction (3') against boundaries

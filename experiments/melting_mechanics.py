@@ -1,0 +1,161 @@
+"""Mechanics of melting scenes: hydrostatics, buoyancy, floating depth (V10, V12, V13).
+
+V10: a column 20 spacings deep, damped for 1 s and then left alone for 2 s: slope of the pressure inside, pressure
+of the bottom layer, rms over p_max, and the speed that remains. V12: force on a fixed, submerged cube over its
+displaced weight. V13: draft of floating cubes by volume balance; light bodies float, heavy ones sink.
+"""
+
+import h5py
+import numpy as np
+
+from experiments import Row
+from melt.scene import scene_from_dict
+from melt.simulate import Simulation
+
+DX = 0.2
+G = 9.81
+
+
+def tank(cells, depth, solids=(), headroom=5, overrides=None):
+    """Return a scene: water of ``depth`` cells in a box of ``cells`` (nx, ny) with solids in it."""
+    top = max([depth + headroom, *(s["position"][2] / DX + 8 for s in solids)])
+    scene = {
+        "time": {"end": 10.0, "dt": 0.005},
+        "domain": {"upper": [cells[0] * DX, cells[1] * DX, top * DX], "spacing": DX},
+        "fluid": {"drag": 30.0, "fill": [{"lower": [0, 0, 0], "upper": [cells[0] * DX, cells[1] * DX, depth * DX]}]},
+        "solid": list(solids),
+        "solver": {},
+    }
+    for key, value in (overrides or {}).items():
+        section, name = key.split(".")
+        scene[section][name] = value
+    return scene_from_dict(scene)
+
+
+def release(sim):
+    """Switch the settling drag off."""
+    fluid = sim.do.params["fluid"]
+    sim.do.params["fluid"] = fluid._replace(drag=type(fluid.drag)(0))
+    sim.do.forget()
+
+
+def column(cells, depth, settle, rest, overrides=None):
+    """Return the V10 figures of a column that settled and was left alone, averaged over the last half of the rest."""
+    sim = Simulation(tank(cells, depth, overrides=overrides), "cpu")
+    found = []
+    for k in range(settle + rest):
+        if k == settle:
+            release(sim)
+        sim.step()
+        if k >= settle + rest // 2 and k % 5 == 0:
+            liquid = sim.read("phase") == 0
+            z, p, v = sim.read("position")[liquid, 2], sim.read("pressure")[liquid], sim.read("velocity")[liquid]
+            inside = (z > 3 * DX) & (z < (depth - 4) * DX)
+            full = 1000 * G * depth * DX
+            truth = 1000 * G * np.maximum(depth * DX - z, 0)
+            found.append((
+                -np.polyfit(z[inside], p[inside], 1)[0] / (1000 * G), p[z < DX].mean() / (1000 * G * (depth - 0.5) * DX),
+                np.sqrt(np.mean((p - truth) ** 2)) / full, np.sqrt((v**2).sum(axis=1).mean()),
+            ))
+    return np.mean(found, axis=0)
+
+
+def cube(edge, cells, depth, density, steps, clearance, overrides=None, fixed=False):
+    """Return the vertical force on a fixed cube over its displaced weight, or the draft fraction of a free one."""
+    middle = [cells[0] * DX / 2 + (DX / 2 if (cells[0] - edge) % 2 else 0), cells[1] * DX / 2 + (DX / 2 if (cells[1] - edge) % 2 else 0)]
+    solid = {"name": "cube", "anchor": "base", "position": [*middle, clearance * DX], "size": [edge * DX] * 3, "density": density}
+    sim = Simulation(tank(cells, depth, [solid], overrides=overrides), "cpu")
+    forces, drafts = [], []
+    start = {n: sim.state.read(n) for n in ("position", "site")}
+    home = np.zeros((3, sim.state.sizes["site"]), start["position"].dtype)
+    is_solid = start["site"] >= 0
+    home[:, start["site"][is_solid]] = start["position"][:, is_solid]
+    for k in range(steps):
+        if k == steps // 3:
+            release(sim)
+        sim.step()
+        phase, force = sim.read("phase"), sim.read("force")
+        if fixed:  # put it back: its lattice carries no load of its own
+            x, v, site = sim.state.read("position"), sim.state.read("velocity"), sim.state.read("site")
+            held = site >= 0
+            x[:, held], v[:, held] = home[:, site[held]], 0
+            sim.state.set("position", x)
+            sim.state.set("velocity", v)
+            weight = 1000 * G * edge**3 * DX**3
+            own = float(sim.read("mass")[phase == 1].sum()) * G
+            forces.append((float(force[phase == 1, 2].sum()) + own) / weight)
+        else:
+            z = sim.read("position")[phase == 1, 2]
+            bottom, base, area = z.min() - DX / 2, (edge * DX) ** 2, cells[0] * cells[1] * DX**2
+            level = ((phase == 0).sum() * DX**3 - base * bottom) / (area - base)
+            drafts.append((level - bottom) / (edge * DX))
+    series = forces if fixed else drafts
+    return float(np.mean(series[2 * steps // 3 :])), float(np.std(series[2 * steps // 3 :])), sim
+
+
+def run(out, quick=False, say=print):
+    """Run all cases; ``quick`` takes narrow tanks and short rests."""
+    side, settle, rest = ((6, 6), 60, 60) if quick else ((10, 10), 200, 400)
+    with h5py.File(out, "w") as file:
+        columns = {"default": {}, "plain mirror (2')": {"solver.wall_memory": 1e-6, "fluid.wall_friction": 0.0},
+                   "beta = 0": {"solver.mirror": 0.0}, "paper's fast mode": {"time.n_sub": 1, "fluid.sound_speed": "legal"}}
+        for name, overrides in columns.items():
+            values = column(side, 20, settle, rest, overrides)
+            file[f"V10/{name}"] = values
+            say(f"V10 {name}: slope {values[0]:.4f}, bottom {values[1]:.3f}, rms {values[2]:.3f}, vrms {values[3]:.4f} m/s")
+        steps = 90 if quick else 300
+        for scale in (0.77, 0.9, 1.0):
+            ratio, spread, _ = cube(6, (12, 12), 14, 1000.0, steps, 4, {"solver.solid_scale": scale}, fixed=True)
+            file[f"V12/6^3, scale {scale}"] = (ratio, spread)
+            say(f"V12 6^3 cube, solid_scale {scale}: force ratio {ratio:.3f} +- {spread:.3f}")
+            if not quick:
+                draft, spread, _ = cube(6, (12, 12), 8, 500.0, 400, 6, {"solver.solid_scale": scale})
+                file[f"V13/scale {scale}, ratio 0.5"] = (draft, spread)
+                say(f"V13 ratio 0.5, solid_scale {scale}: draft {draft:.3f} +- {spread:.3f}")
+        if not quick:
+            ratio, spread, _ = cube(17, (25, 25), 25, 1000.0, 150, 4, fixed=True)
+            file["V12/17^3, default"] = (ratio, spread)
+            say(f"V12 17^3 cube, default: force ratio {ratio:.3f} +- {spread:.3f}")
+        for density in (250.0, 500.0, 917.0):
+            draft, spread, _ = cube(6, (12, 12), 8, density, 120 if quick else 500, 6)
+            file[f"V13/{density:g}"] = (draft, spread)
+            say(f"V13 density {density:g}: draft {draft:.3f} +- {spread:.3f}")
+        for density in (10.0, 200.0, 8000.0, 1e5):
+            draft, spread, sim = cube(6, (12, 12), 8, density, 120 if quick else 300, 9)
+            z = sim.read("position")[sim.read("phase") == 1, 2]
+            file[f"V13 extremes/{density:g}"] = (draft, spread, z.min() / DX, sim.series()["lost_particles"])
+            say(f"V13 density {density:g}: draft {draft:.3f}, bottom layer {z.min() / DX:.2f} dx above the floor")
+        file.attrs["quick"] = quick
+
+
+def report(path):
+    """Return the rows."""
+    rows = []
+    with h5py.File(path) as file:
+        claimed = not file.attrs["quick"]
+        limits = (("slope / rho g", 0.01, 1), ("bottom layer / rho g h", 0.06, 1), ("rms / p_max", 0.04, 0), ("vrms at rest [m/s]", 0.001, 0))
+        for name in file["V10"]:
+            for (what, bound, truth), value in zip(limits, file[f"V10/{name}"][()]):
+                judged = claimed and name == "default"
+                rows.append(Row(f"V10 {what}, {name}", f"{truth}", f"{value:.4f}", f"+- {bound}" if judged else "",
+                                bool(abs(value - truth) <= bound) if judged else None))
+        for name in file["V12"]:
+            ratio, spread = file[f"V12/{name}"][()]
+            default = "default" in name or "scale 1.0" in name
+            bound = 0.03 if "17" in name else 0.05
+            rows.append(Row(f"V12 force on a fixed cube, {name}", "1", f"{ratio:.3f} +- {spread:.3f}",
+                            f"+- {bound}" if default and claimed else "", bool(abs(ratio - 1) <= bound) if default and claimed else None))
+        for name in file["V13"]:
+            draft, spread = file[f"V13/{name}"][()]
+            truth = 0.5 if "scale" in name else float(name) / 1000
+            judged = claimed and "scale" not in name
+            rows.append(Row(f"V13 draft fraction, {name}", f"{truth:g}", f"{draft:.3f} +- {spread:.3f}",
+                            "+- 0.03" if judged else "", bool(abs(draft - truth) <= 0.03) if judged else None))
+        for name in file["V13 extremes"]:
+            draft, spread, bottom, lost = file[f"V13 extremes/{name}"][()]
+            floats = float(name) < 1000
+            ok = bottom > 1.5 if floats else 0.2 < bottom < 1.0
+            rows.append(Row(f"V13 density {name}", "floats" if floats else "sinks, stays above the floor",
+                            f"bottom layer at {bottom:.2f} dx, {int(lost)} lost", "", bool(ok and lost == 0) if claimed else None,
+                            f"draft {draft:.3f} +- {spread:.3f}"))
+    return rows
