@@ -25,8 +25,11 @@ def halves(solver="pairs_coloured", half_width=12, depth=3.0, conductivity=0.5, 
     length = 2 * math.ceil(8 * depth)
     middle = length / 2 * dx
     slab = Slab(
-        (length, 2 * half_width, 2 * half_width), conductivity=(conductivity,), solver=solver,
-        T0=lambda x: np.where(x[0] < middle, -1.0, 1.0), **options,
+        (length, 2 * half_width, 2 * half_width),
+        conductivity=(conductivity,),
+        solver=solver,
+        T0=lambda x: np.where(x[0] < middle, -1.0, 1.0),
+        **options,
     )
     x, T = slab.step(dt, steps).column("temperature")
     truth = erf((x - middle) / (2 * math.sqrt(alpha * steps * dt)))
@@ -38,8 +41,13 @@ def halves(solver="pairs_coloured", half_width=12, depth=3.0, conductivity=0.5, 
 def same_matrix(solver="pairs_coloured", conductivity=0.5, dt=0.005, steps=72, shape=(40, 4, 4), **options):
     """V3: against the exact exponential of the same matrix, at sqrt(alpha t) = 3 dx unless told otherwise."""
     dx, brook = 0.2, options.get("laplacian", P.L_VISC) == P.L_BROOK
-    slab = Slab(shape, conductivity=(conductivity,), solver=solver,
-                T0=lambda x: np.where(x[0] < shape[0] / 2 * dx, -1.0, 1.0), **options)
+    slab = Slab(
+        shape,
+        conductivity=(conductivity,),
+        solver=solver,
+        T0=lambda x: np.where(x[0] < shape[0] / 2 * dx, -1.0, 1.0),
+        **options,
+    )
     x, T0 = slab.read("position"), slab.read("temperature")
     h, K, V = 2.5 * dx, conductivity, dx**3
     r = np.sqrt(((x[:, :, None] - x[:, None, :]) ** 2).sum(axis=0))
@@ -73,9 +81,18 @@ def contact_temperature(solver="pairs_coloured", half_width=8, steps=180, **opti
     k, rho, c = (0.56, 2.22), (1000.0, 917.0), (4187.0, 2100.0)
     dt = 0.25 * dx**2 / (k[1] / (rho[1] * c[1]))
     slab = Slab(
-        (2 * half, 2 * half_width, 2 * half_width), spacing=dx, law="physical", conductivity=k, density=rho,
-        specific_heat=c, latent_heat=(0.0, 0.0), melting_point=(math.inf, math.inf), solver=solver,
-        row=lambda lattice: (lattice[0] < half).astype(int), T0=lambda x: np.where(x[0] < half * dx, -10.0, 40.0), **options,
+        (2 * half, 2 * half_width, 2 * half_width),
+        spacing=dx,
+        law="physical",
+        conductivity=k,
+        density=rho,
+        specific_heat=c,
+        latent_heat=(0.0, 0.0),
+        melting_point=(math.inf, math.inf),
+        solver=solver,
+        row=lambda lattice: (lattice[0] < half).astype(int),
+        T0=lambda x: np.where(x[0] < half * dx, -10.0, 40.0),
+        **options,
     )
     _, T = slab.step(dt, steps).column("temperature")
     effusivity = [math.sqrt(a * b * d) for a, b, d in zip(k, rho, c)]
@@ -88,8 +105,15 @@ def contact_temperature(solver="pairs_coloured", half_width=8, steps=180, **opti
 def ledger(solver="pairs_coloured", steps=10_000, precision="double", shape=(40, 4, 4), **options):
     """V5: Sum C T + latent energy is constant; without latent heat min T0 <= T <= max T0."""
     rng = np.random.default_rng(5)
-    slab = Slab(shape, conductivity=(0.3,), T0=lambda x: rng.uniform(-10, 40, x.shape[1]), jitter=0.2, solver=solver,
-                precision=precision, **options)
+    slab = Slab(
+        shape,
+        conductivity=(0.3,),
+        T0=lambda x: rng.uniform(-10, 40, x.shape[1]),
+        jitter=0.2,
+        solver=solver,
+        precision=precision,
+        **options,
+    )
     T0 = slab.read("temperature")
     before, size = slab.energy(), float(np.sum(slab.read("heat_capacity") * np.abs(T0 - T0.mean())))
     slab.step(0.005, steps)
@@ -118,13 +142,27 @@ def uniform_end(scene, size=1.0, latent=False, **options):
     common = dict(T0=lambda x: np.where(frozen, cold, hot), solver="cg", row=lambda lattice: frozen.astype(int))
     if latent:
         common |= dict(
-            law="physical", spacing=1e-3, conductivity=(0.56, 2.22), specific_heat=c, density=(1000.0, 917.0),
-            latent_heat=(0.0, L), melting_point=(math.inf, 0.0), latent=True, phase=lambda lattice: frozen.astype(int),
+            law="physical",
+            spacing=1e-3,
+            conductivity=(0.56, 2.22),
+            specific_heat=c,
+            density=(1000.0, 917.0),
+            latent_heat=(0.0, L),
+            melting_point=(math.inf, 0.0),
+            latent=True,
+            phase=lambda lattice: frozen.astype(int),
         )
-        truth = ((total - ice) * hot * c[0] - ice * ice_mass * (L - cold * c[1])) / (c[0] * (total - ice + ice_mass * ice))
+        truth = ((total - ice) * hot * c[0] - ice * ice_mass * (L - cold * c[1])) / (
+            c[0] * (total - ice + ice_mass * ice)
+        )
     else:
-        common |= dict(conductivity=(0.5, 0.5), specific_heat=(1.0, 1.0), density=(1.0, 1.0),
-                       latent_heat=(0.0, 0.0), melting_point=(math.inf, math.inf))
+        common |= dict(
+            conductivity=(0.5, 0.5),
+            specific_heat=(1.0, 1.0),
+            density=(1.0, 1.0),
+            latent_heat=(0.0, 0.0),
+            melting_point=(math.inf, math.inf),
+        )
         truth = ((total - ice) * hot + ice * cold) / total
     slab = Slab((n, n, n), **common, **options)
     dt = (10.0 if latent else 20.0) * slab.spacing**2 / slab.alpha
@@ -135,8 +173,11 @@ def uniform_end(scene, size=1.0, latent=False, **options):
             break
     published = icy if latent else plain
     name = f"V6 {scene}" + (" with latent heat" if latent else "")
-    return [(f"{name}: mean", truth, float(T.mean()), 1e-6 * abs(truth)), (f"{name}: spread", 0.0, float(np.ptp(T)), 1e-6),
-            (f"{name}: published", published, float(T.mean()), 0.15 if size == 1.0 else 0.5)]
+    return [
+        (f"{name}: mean", truth, float(T.mean()), 1e-6 * abs(truth)),
+        (f"{name}: spread", 0.0, float(np.ptp(T)), 1e-6),
+        (f"{name}: published", published, float(T.mean()), 0.15 if size == 1.0 else 0.5),
+    ]
 
 
 def melt_depth(hot=40.0, cold=-10.0, times=(0.5, 1.0, 2.0, 4.0), half_width=10, solver="pairs_coloured", **options):
@@ -145,8 +186,13 @@ def melt_depth(hot=40.0, cold=-10.0, times=(0.5, 1.0, 2.0, 4.0), half_width=10, 
 
     dx, K, dt = 0.2, 0.3, 0.005
     half = math.ceil(5 * math.sqrt(2 * K * max(times)) / dx)
-    slab = Slab((2 * half, 2 * half_width, 2 * half_width), conductivity=(K,), solver=solver,
-                T0=lambda x: np.where(x[0] < half * dx, cold, hot), **options)
+    slab = Slab(
+        (2 * half, 2 * half_width, 2 * half_width),
+        conductivity=(K,),
+        solver=solver,
+        T0=lambda x: np.where(x[0] < half * dx, cold, hot),
+        **options,
+    )
     factor = 2 * erfinv((hot + cold) / (hot - cold))
     rows, now = [], 0.0
     for t in times:
@@ -166,16 +212,22 @@ def cases():
         *[lambda s=s, n=n: convergence(s, n) for s in ("pairs_coloured", "pairs_seq", "cg") for n in (8, 64)],
         contact_temperature,
         *[lambda s=s, p=p: ledger(s, precision=p) for s in ("pairs_coloured", "cg") for p in ("double", "single")],
-        halves, lambda: halves("cg"), lambda: halves(laplacian=P.L_BROOK), lambda: halves(jitter=0.2),
+        halves,
+        lambda: halves("cg"),
+        lambda: halves(laplacian=P.L_BROOK),
+        lambda: halves(jitter=0.2),
         lambda: halves(precision="single"),
         *[lambda f=f, w=w: uniform_end(f, latent=w) for w in (False, True) for f in ("F4", "F5", "F6")],
         *[lambda T=T: melt_depth(*T) for T in ((40.0, -10.0), (80.0, -20.0), (100.0, -10.0))],
         gallium,
         *[lambda n=n: stefan(n) for n in (2.0, 1.0, 0.5, 0.25, 0.1)],
-        lambda: two_phase(0, 0, equal=(1.0, 0.25)), lambda: two_phase(0, 0, equal=(0.5, 0.125)),
+        lambda: two_phase(0, 0, equal=(1.0, 0.25)),
+        lambda: two_phase(0, 0, equal=(0.5, 0.125)),
         # ice conducts 8 times better than water: a slab that the cold wave does not cross is long
-        *[lambda T=T: two_phase(*T, layers=6, half_width=6, fourier=0.8)
-          for T in ((40.0, -10.0), (80.0, -20.0), (100.0, -10.0))],
+        *[
+            lambda T=T: two_phase(*T, layers=6, half_width=6, fourier=0.8)
+            for T in ((40.0, -10.0), (80.0, -20.0), (100.0, -10.0))
+        ],
     ]
 
 
@@ -187,8 +239,11 @@ def main():
         for name, truth, measured, tolerance in case():
             passed = abs(measured - truth) <= tolerance
             bad += not passed
-            print(f"{'ok  ' if passed else 'FAIL'} {name:48s} truth {truth:.6g} measured {measured:.6g} "
-                  f"tolerance {tolerance:.2g}", flush=True)
+            print(
+                f"{'ok  ' if passed else 'FAIL'} {name:48s} truth {truth:.6g} measured {measured:.6g} "
+                f"tolerance {tolerance:.2g}",
+                flush=True,
+            )
         print(f"     ({time.perf_counter() - start:.1f} s)", flush=True)
     return bad
 

@@ -47,10 +47,21 @@ def stefan(number, layers=10, half_width=None, fourier=0.4, solver="pairs_colour
     alpha, dt = 2 * K, fourier * dx**2 / (2 * K)
     half_width = half_width or math.ceil(1.2 * layers)
     slab = Slab(
-        (math.ceil(1.4 * layers) + 4, 2 * half_width, 2 * half_width), spacing=dx, conductivity=(K, K), latent=True,
-        specific_heat=(1.0, 1.0), density=(1.0, 1.0), latent_heat=(0.0, 1.0 / number), melting_point=(math.inf, 0.0),
-        phase=ice, row=ice,
-        walls=3, wall_temperature=1.0, T0=lambda x: np.zeros(x.shape[1]), solver=solver, **options,
+        (math.ceil(1.4 * layers) + 4, 2 * half_width, 2 * half_width),
+        spacing=dx,
+        conductivity=(K, K),
+        latent=True,
+        specific_heat=(1.0, 1.0),
+        density=(1.0, 1.0),
+        latent_heat=(0.0, 1.0 / number),
+        melting_point=(math.inf, 0.0),
+        phase=ice,
+        row=ice,
+        walls=3,
+        wall_temperature=1.0,
+        T0=lambda x: np.zeros(x.shape[1]),
+        solver=solver,
+        **options,
     )
     plane = wall_plane() * dx
     t = ((layers * dx - plane) / (2 * lam)) ** 2 / alpha
@@ -79,10 +90,22 @@ def two_phase(hot, cold, layers=10, half_width=None, fourier=0.4, solver="pairs_
     reach = math.ceil((layers * dx + 4 * math.sqrt(fastest * t)) / dx)
     half_width = half_width or math.ceil(1.2 * layers)
     slab = Slab(
-        (reach, 2 * half_width, 2 * half_width), spacing=dx, law=law, conductivity=k, specific_heat=c, density=rho,
-        latent_heat=(0.0, L), melting_point=(math.inf, 0.0), latent=True, walls=3, wall_temperature=hot,
-        phase=ice, row=lambda lattice: (lattice[0] >= 0).astype(int),
-        T0=lambda x: np.full(x.shape[1], cold), solver=solver, **options,
+        (reach, 2 * half_width, 2 * half_width),
+        spacing=dx,
+        law=law,
+        conductivity=k,
+        specific_heat=c,
+        density=rho,
+        latent_heat=(0.0, L),
+        melting_point=(math.inf, 0.0),
+        latent=True,
+        walls=3,
+        wall_temperature=hot,
+        phase=ice,
+        row=lambda lattice: (lattice[0] >= 0).astype(int),
+        T0=lambda x: np.full(x.shape[1], cold),
+        solver=solver,
+        **options,
     )
     steps = round(t / dt)
     for _ in range(steps):  # conductivity changes with the phase
@@ -112,10 +135,22 @@ def gallium(layers=60, half_width=10, fourier=0.45, solver="pairs_coloured", **o
     depth = layers // 2
     plane = wall_plane() * dx
     slab = Slab(
-        (depth, 2 * half_width, 2 * half_width), spacing=dx, law="physical", conductivity=(k, k), specific_heat=(c, c),
-        density=(rho, rho), latent_heat=(0.0, L), melting_point=(math.inf, T_m), latent=True, walls=3, wall_temperature=38.0,
-        phase=ice, row=ice,
-        T0=lambda x: np.full(x.shape[1], 28.3), solver=solver, **options,
+        (depth, 2 * half_width, 2 * half_width),
+        spacing=dx,
+        law="physical",
+        conductivity=(k, k),
+        specific_heat=(c, c),
+        density=(rho, rho),
+        latent_heat=(0.0, L),
+        melting_point=(math.inf, T_m),
+        latent=True,
+        walls=3,
+        wall_temperature=38.0,
+        phase=ice,
+        row=ice,
+        T0=lambda x: np.full(x.shape[1], 28.3),
+        solver=solver,
+        **options,
     )
     dt, now, rows = fourier * dx**2 / (k / (rho * c)), 0.0, []
     with open(DATA / "gallium_melted_fraction.csv", encoding="utf-8") as file:

@@ -22,10 +22,33 @@ class Slab:
     """
 
     def __init__(
-        self, shape, *, spacing=0.2, ratio=2.5, law="paper", conductivity=(0.5,), specific_heat=(1.0,), density=(1.0,),
-        latent_heat=(0.0,), melting_point=(math.inf,), row=None, phase=None, T0, walls=0, wall_temperature=0.0,
-        jitter=0.0, solver="auto", precision="double", backend="cpu", laplacian=P.L_VISC, kernel=P.CUBIC,
-        full_sweep=0, substeps=1, tolerance=None, seed=1, latent=False,
+        self,
+        shape,
+        *,
+        spacing=0.2,
+        ratio=2.5,
+        law="paper",
+        conductivity=(0.5,),
+        specific_heat=(1.0,),
+        density=(1.0,),
+        latent_heat=(0.0,),
+        melting_point=(math.inf,),
+        row=None,
+        phase=None,
+        T0,
+        walls=0,
+        wall_temperature=0.0,
+        jitter=0.0,
+        solver="auto",
+        precision="double",
+        backend="cpu",
+        laplacian=P.L_VISC,
+        kernel=P.CUBIC,
+        full_sweep=0,
+        substeps=1,
+        tolerance=None,
+        seed=1,
+        latent=False,
     ):
         real = REAL[precision]
         axes = [np.arange(-walls if a == 0 else 0, n) for a, n in enumerate(shape)]
@@ -43,29 +66,57 @@ class Slab:
         self.params = {
             "smoothing": P.make(P.Smoothing, real, support=support, kernel=kernel, laplacian=laplacian),
             "grid": P.make(
-                P.Grid, real, origin_x=lower[0], origin_y=lower[1], origin_z=lower[2], inverse_cell=1 / support,
-                nx=cells[0], ny=cells[1], nz=cells[2],
+                P.Grid,
+                real,
+                origin_x=lower[0],
+                origin_y=lower[1],
+                origin_z=lower[2],
+                inverse_cell=1 / support,
+                nx=cells[0],
+                ny=cells[1],
+                nz=cells[2],
             ),
             "heat": P.make(
-                P.Heat, real, law=P.HEAT_PAPER if law == "paper" else P.HEAT_PHYSICAL, current_volume=0,
-                full_sweep=full_sweep, latent=int(latent), ambient_temperature=0, ambient_transfer=0,
-                full_neighbours=80, ambient_area=8 / 3, spacing=spacing, wall_fixed=int(walls > 0),
+                P.Heat,
+                real,
+                law=P.HEAT_PAPER if law == "paper" else P.HEAT_PHYSICAL,
+                current_volume=0,
+                full_sweep=full_sweep,
+                latent=int(latent),
+                ambient_temperature=0,
+                ambient_transfer=0,
+                full_neighbours=80,
+                ambient_area=8 / 3,
+                spacing=spacing,
+                wall_fixed=int(walls > 0),
             ),
         }
         need = SimpleNamespace(latent=latent, heaters=False, ambient=False)
         alpha = [2 * k if law == "paper" else k / (r * c) for k, r, c in zip(conductivity, density, specific_heat)]
         self.alpha = max(alpha)
         settings = SimpleNamespace(
-            heat_solver=solver, heat_substeps=substeps, fourier_number=0.0, heat_iterations=200,
+            heat_solver=solver,
+            heat_substeps=substeps,
+            fourier_number=0.0,
+            heat_iterations=200,
             heat_tolerance=tolerance or (1e-8 if precision == "double" else 1e-5),
         )
         values = {
-            "phase": np.where(wall, 2, 0 if phase is None else phase(lattice)), "material": row,
-            "position": x, "mass": rho * V, "rest_volume": np.full(n, V), "volume": np.full(n, V), "density": rho,
-            "temperature": np.where(wall, wall_temperature, T0(x)), "id": np.arange(n),
-            "material_conductivity": conductivity, "material_specific_heat": specific_heat,
-            "material_latent_heat": latent_heat, "material_melting_point": melting_point,
-            "material_melts_to": np.zeros(rows), "material_freezes_to": np.full(rows, rows - 1 if latent else -1),
+            "phase": np.where(wall, 2, 0 if phase is None else phase(lattice)),
+            "material": row,
+            "position": x,
+            "mass": rho * V,
+            "rest_volume": np.full(n, V),
+            "volume": np.full(n, V),
+            "density": rho,
+            "temperature": np.where(wall, wall_temperature, T0(x)),
+            "id": np.arange(n),
+            "material_conductivity": conductivity,
+            "material_specific_heat": specific_heat,
+            "material_latent_heat": latent_heat,
+            "material_melting_point": melting_point,
+            "material_melts_to": np.zeros(rows),
+            "material_freezes_to": np.full(rows, rows - 1 if latent else -1),
         }
         recorder = Recorder(self.params, need, settings)
         page.start_heat(recorder)
@@ -77,8 +128,12 @@ class Slab:
         names = dict.fromkeys(["id", *recorder.fields])
         cells_total = int(np.prod(cells)) + 2
         sizes = {
-            "particle": n, "cell": cells_total, "chunk": max(n, cells_total) // 256 + 2, "material": rows,
-            "neighbour": int((2 * math.ceil(ratio) + 1) ** 3 if jitter else np.sum(_inside(ratio)) - 1), "reduction": 64,
+            "particle": n,
+            "cell": cells_total,
+            "chunk": max(n, cells_total) // 256 + 2,
+            "material": rows,
+            "neighbour": int((2 * math.ceil(ratio) + 1) ** 3 if jitter else np.sum(_inside(ratio)) - 1),
+            "reduction": 64,
         }
         self.state = State(backends.load(backend), precision, sizes, names)
         for name, value in values.items():

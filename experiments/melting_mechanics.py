@@ -10,7 +10,7 @@ import numpy as np
 
 from experiments import Row
 from melt.scene import scene_from_dict
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 DX = 0.2
 G = 9.81
@@ -53,17 +53,30 @@ def column(cells, depth, settle, rest, overrides=None):
             inside = (z > 3 * DX) & (z < (depth - 4) * DX)
             full = 1000 * G * depth * DX
             truth = 1000 * G * np.maximum(depth * DX - z, 0)
-            found.append((
-                -np.polyfit(z[inside], p[inside], 1)[0] / (1000 * G), p[z < DX].mean() / (1000 * G * (depth - 0.5) * DX),
-                np.sqrt(np.mean((p - truth) ** 2)) / full, np.sqrt((v**2).sum(axis=1).mean()),
-            ))
+            found.append(
+                (
+                    -np.polyfit(z[inside], p[inside], 1)[0] / (1000 * G),
+                    p[z < DX].mean() / (1000 * G * (depth - 0.5) * DX),
+                    np.sqrt(np.mean((p - truth) ** 2)) / full,
+                    np.sqrt((v**2).sum(axis=1).mean()),
+                )
+            )
     return np.mean(found, axis=0)
 
 
 def cube(edge, cells, depth, density, steps, clearance, overrides=None, fixed=False):
     """Return the vertical force on a fixed cube over its displaced weight, or the draft fraction of a free one."""
-    middle = [cells[0] * DX / 2 + (DX / 2 if (cells[0] - edge) % 2 else 0), cells[1] * DX / 2 + (DX / 2 if (cells[1] - edge) % 2 else 0)]
-    solid = {"name": "cube", "anchor": "base", "position": [*middle, clearance * DX], "size": [edge * DX] * 3, "density": density}
+    middle = [
+        cells[0] * DX / 2 + (DX / 2 if (cells[0] - edge) % 2 else 0),
+        cells[1] * DX / 2 + (DX / 2 if (cells[1] - edge) % 2 else 0),
+    ]
+    solid = {
+        "name": "cube",
+        "anchor": "base",
+        "position": [*middle, clearance * DX],
+        "size": [edge * DX] * 3,
+        "density": density,
+    }
     sim = Simulation(tank(cells, depth, [solid], overrides=overrides), "cpu")
     forces, drafts = [], []
     start = {n: sim.state.read(n) for n in ("position", "site")}
@@ -97,12 +110,18 @@ def run(out, quick=False, say=print):
     """Run all cases; ``quick`` takes narrow tanks and short rests."""
     side, settle, rest = ((6, 6), 60, 60) if quick else ((10, 10), 200, 400)
     with h5py.File(out, "w") as file:
-        columns = {"default": {}, "plain mirror (2')": {"solver.wall_memory": 1e-6, "fluid.wall_friction": 0.0},
-                   "beta = 0": {"solver.mirror": 0.0}, "paper's fast mode": {"time.n_sub": 1, "fluid.sound_speed": "legal"}}
+        columns = {
+            "default": {},
+            "plain mirror (2')": {"solver.wall_memory": 1e-6, "fluid.wall_friction": 0.0},
+            "beta = 0": {"solver.mirror": 0.0},
+            "paper's fast mode": {"time.n_sub": 1, "fluid.sound_speed": "legal"},
+        }
         for name, overrides in columns.items():
             values = column(side, 20, settle, rest, overrides)
             file[f"V10/{name}"] = values
-            say(f"V10 {name}: slope {values[0]:.4f}, bottom {values[1]:.3f}, rms {values[2]:.3f}, vrms {values[3]:.4f} m/s")
+            say(
+                f"V10 {name}: slope {values[0]:.4f}, bottom {values[1]:.3f}, rms {values[2]:.3f}, vrms {values[3]:.4f} m/s"
+            )
         steps = 90 if quick else 300
         for scale in (0.77, 0.9, 1.0):
             ratio, spread, _ = cube(6, (12, 12), 14, 1000.0, steps, 4, {"solver.solid_scale": scale}, fixed=True)
@@ -133,29 +152,62 @@ def report(path):
     rows = []
     with h5py.File(path) as file:
         claimed = not file.attrs["quick"]
-        limits = (("slope / rho g", 0.01, 1), ("bottom layer / rho g h", 0.06, 1), ("rms / p_max", 0.04, 0), ("vrms at rest [m/s]", 0.001, 0))
+        limits = (
+            ("slope / rho g", 0.01, 1),
+            ("bottom layer / rho g h", 0.06, 1),
+            ("rms / p_max", 0.04, 0),
+            ("vrms at rest [m/s]", 0.001, 0),
+        )
         for name in file["V10"]:
             for (what, bound, truth), value in zip(limits, file[f"V10/{name}"][()]):
                 judged = claimed and name == "default"
-                rows.append(Row(f"V10 {what}, {name}", f"{truth}", f"{value:.4f}", f"+- {bound}" if judged else "",
-                                bool(abs(value - truth) <= bound) if judged else None))
+                rows.append(
+                    Row(
+                        f"V10 {what}, {name}",
+                        f"{truth}",
+                        f"{value:.4f}",
+                        f"+- {bound}" if judged else "",
+                        bool(abs(value - truth) <= bound) if judged else None,
+                    )
+                )
         for name in file["V12"]:
             ratio, spread = file[f"V12/{name}"][()]
             default = "default" in name or "scale 1.0" in name
             bound = 0.03 if "17" in name else 0.05
-            rows.append(Row(f"V12 force on a fixed cube, {name}", "1", f"{ratio:.3f} +- {spread:.3f}",
-                            f"+- {bound}" if default and claimed else "", bool(abs(ratio - 1) <= bound) if default and claimed else None))
+            rows.append(
+                Row(
+                    f"V12 force on a fixed cube, {name}",
+                    "1",
+                    f"{ratio:.3f} +- {spread:.3f}",
+                    f"+- {bound}" if default and claimed else "",
+                    bool(abs(ratio - 1) <= bound) if default and claimed else None,
+                )
+            )
         for name in file["V13"]:
             draft, spread = file[f"V13/{name}"][()]
             truth = 0.5 if "scale" in name else float(name) / 1000
             judged = claimed and "scale" not in name
-            rows.append(Row(f"V13 draft fraction, {name}", f"{truth:g}", f"{draft:.3f} +- {spread:.3f}",
-                            "+- 0.03" if judged else "", bool(abs(draft - truth) <= 0.03) if judged else None))
+            rows.append(
+                Row(
+                    f"V13 draft fraction, {name}",
+                    f"{truth:g}",
+                    f"{draft:.3f} +- {spread:.3f}",
+                    "+- 0.03" if judged else "",
+                    bool(abs(draft - truth) <= 0.03) if judged else None,
+                )
+            )
         for name in file["V13 extremes"]:
             draft, spread, bottom, lost = file[f"V13 extremes/{name}"][()]
             floats = float(name) < 1000
             ok = bottom > 1.5 if floats else 0.2 < bottom < 1.0
-            rows.append(Row(f"V13 density {name}", "floats" if floats else "sinks, stays above the floor",
-                            f"bottom layer at {bottom:.2f} dx, {int(lost)} lost", "", bool(ok and lost == 0) if claimed else None,
-                            f"draft {draft:.3f} +- {spread:.3f}"))
+            rows.append(
+                Row(
+                    f"V13 density {name}",
+                    "floats" if floats else "sinks, stays above the floor",
+                    f"bottom layer at {bottom:.2f} dx, {int(lost)} lost",
+                    "",
+                    bool(ok and lost == 0) if claimed else None,
+                    f"draft {draft:.3f} +- {spread:.3f}",
+                )
+            )
     return rows

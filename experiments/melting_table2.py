@@ -15,7 +15,7 @@ import numpy as np
 
 from experiments import Row
 from melt.scene import load_scene
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 PAPER = {"ice_cube": 22.5, "four_densities": 35.7, "two_jets": 42.3}  # ms per step
 TARGET = {"ice_cube": 15.0, "four_densities": 20.0, "two_jets": 25.0}  # ms per step, two cores, single precision
@@ -49,13 +49,22 @@ def measure(scene, overrides, warm, steps):
     n_sub = int(sim.do.notes["n_sub"])
     moved = abs(after["thermal_energy"] - before["thermal_energy"])
     return {
-        "ms": float(np.median(walls)) / n_sub, "ms_best": min(walls) / n_sub, "n_sub": n_sub,
+        "ms": float(np.median(walls)) / n_sub,
+        "ms_best": min(walls) / n_sub,
+        "n_sub": n_sub,
         "ms_per_second": float(np.median(walls)) / sim.scene.time.dt,
-        "neighbours": after["neighbours_mean"], "liquid": after["liquid_particles"], "solid": after["solid_particles"],
-        "particles": int(sim.do.clock.active), "sound_speed": sim.prepared.settings.sound_speed,
-        "density_max": after["density_error_max"], "density_mean": after["density_error_mean"],
-        "heat_drift": moved / max(abs(after["thermal_energy"]), 1e-30), "melted": after["melted_fraction"],
-        "lost": after["lost_particles"], "time": sim.time, "stages": {k: float(np.median(v)) / n_sub for k, v in stage.items()},
+        "neighbours": after["neighbours_mean"],
+        "liquid": after["liquid_particles"],
+        "solid": after["solid_particles"],
+        "particles": int(sim.do.clock.active),
+        "sound_speed": sim.prepared.settings.sound_speed,
+        "density_max": after["density_error_max"],
+        "density_mean": after["density_error_mean"],
+        "heat_drift": moved / max(abs(after["thermal_energy"]), 1e-30),
+        "melted": after["melted_fraction"],
+        "lost": after["lost_particles"],
+        "time": sim.time,
+        "stages": {k: float(np.median(v)) / n_sub for k, v in stage.items()},
     }
 
 
@@ -97,13 +106,17 @@ def report(path):
                 a = dict(file[scene][mode].attrs)
                 claimed = mode == "paper's work, grid" and not file.attrs["quick"]
                 slowest = sorted(file[scene][mode]["stages"].attrs.items(), key=lambda item: -item[1])[:3]
-                rows.append(Row(
-                    f"{scene} ({COUNTS[scene]}), {mode}", f"{paper} ms (GTX 690)",
-                    f"{a['ms']:.1f} ms, {a['ms_per_second']:,.0f} ms per simulated second",
-                    f"<= {TARGET[scene]:g} ms" if claimed else "", bool(a["ms"] <= TARGET[scene]) if claimed else None,
-                    f"{a['liquid']:,} + {a['solid']:,} (+ {a['particles'] - a['liquid'] - a['solid']:,} wall), n_sub {a['n_sub']}, "
-                    f"c_s {a['sound_speed']:.3g} m/s, {a['neighbours']:.0f} neighbours, density error {a['density_max']:.1%} max, "
-                    f"{a['density_mean']:.2%} mean, thermal energy drift {a['heat_drift']:.0e}, best {a['ms_best']:.1f} ms; slowest: "
-                    + ", ".join(f"{k} {v:.1f}" for k, v in slowest),
-                ))
+                rows.append(
+                    Row(
+                        f"{scene} ({COUNTS[scene]}), {mode}",
+                        f"{paper} ms (GTX 690)",
+                        f"{a['ms']:.1f} ms, {a['ms_per_second']:,.0f} ms per simulated second",
+                        f"<= {TARGET[scene]:g} ms" if claimed else "",
+                        bool(a["ms"] <= TARGET[scene]) if claimed else None,
+                        f"{a['liquid']:,} + {a['solid']:,} (+ {a['particles'] - a['liquid'] - a['solid']:,} wall), n_sub {a['n_sub']}, "
+                        f"c_s {a['sound_speed']:.3g} m/s, {a['neighbours']:.0f} neighbours, density error {a['density_max']:.1%} max, "
+                        f"{a['density_mean']:.2%} mean, thermal energy drift {a['heat_drift']:.0e}, best {a['ms_best']:.1f} ms; slowest: "
+                        + ", ".join(f"{k} {v:.1f}" for k, v in slowest),
+                    )
+                )
     return rows

@@ -15,6 +15,13 @@ def load_scene(name, overrides=(), preset=None):
     return load(name, overrides, preset)
 
 
+def simulate(scene, output=None, **options):
+    """Run a scene and write its run file; see `melt.simulation.run`."""
+    from melt.simulation import run
+
+    return run(scene, output, **options)
+
+
 def open_run(path):
     """Open a run file; see `melt.output.run_reader.open_run`."""
     from melt.output.run_reader import open_run as open_
@@ -24,7 +31,7 @@ def open_run(path):
 
 def __getattr__(name):
     if name == "Simulation":
-        from melt.simulate import Simulation
+        from melt.simulation import Simulation
 
         return Simulation
     raise AttributeError(f"module 'melt' has no attribute {name!r}")

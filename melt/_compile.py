@@ -37,7 +37,9 @@ def source_hash():
     """
     root = pathlib.Path(__file__).parent
     shared = [root / "_compile.py", root / "_emulate.py", root / "params.py"]
-    shared += sorted(root.glob("physics/*.py")) + sorted(p for side in ("cpu", "cuda") for p in root.glob(f"{side}/_*.py"))
+    shared += sorted(root.glob("physics/*.py")) + sorted(
+        p for side in ("cpu", "cuda") for p in root.glob(f"{side}/_*.py")
+    )
     digest = hashlib.sha256(numba.__version__.encode())
     for path in shared:
         digest.update(str(path.relative_to(root)).encode() + path.read_bytes())
@@ -76,9 +78,7 @@ def scalar(function):
 
 def cpu_stage(function):
     """Compile a CPU stage: threads, vectorised sums, no bounds checks, no exceptions."""
-    return njit(
-        parallel=PARALLEL, fastmath=FASTMATH, error_model="numpy", nogil=True, cache=_CACHE
-    )(function)
+    return njit(parallel=PARALLEL, fastmath=FASTMATH, error_model="numpy", nogil=True, cache=_CACHE)(function)
 
 
 def cpu_helper(function):

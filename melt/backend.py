@@ -75,7 +75,9 @@ def load(name="auto"):
         return Backend(name, "cuda", True, reason)
     obstacle = why_no_device()
     if obstacle:
-        raise MeltError(f"backend 'cuda' cannot run here: {obstacle}. Use --backend cpu, or cuda-emulated to check kernels")
+        raise MeltError(
+            f"backend 'cuda' cannot run here: {obstacle}. Use --backend cpu, or cuda-emulated to check kernels"
+        )
     _compile.Kernel.emulated = False
     return Backend("cuda", "cuda", True, reason)
 

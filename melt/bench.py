@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from melt.scene import scene_from_dict
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 #: Liquid particles of the scaling series.
 SIZES = (10_000, 60_000, 250_000, 1_000_000)
@@ -117,7 +117,9 @@ def stage_rows(result):
     total = sum(result["ms"].values())
     rows = []
     for name, ms in sorted(result["ms"].items(), key=lambda item: -item[1]):
-        rows.append((name, ms, ms / total, 1e6 * ms / max(1, result["pairs"]), result["particles"] / max(ms, 1e-9) / 1e3))
+        rows.append(
+            (name, ms, ms / total, 1e6 * ms / max(1, result["pairs"]), result["particles"] / max(ms, 1e-9) / 1e3)
+        )
     return rows
 
 
@@ -131,7 +133,9 @@ def run(sizes=SIZES, backend="cpu", precision="single", threads=(1, 2), steps=10
         for t in threads:
             result = time_steps(tank(n, precision), backend, steps=steps if n < 500_000 else 4, threads=t)
             result["threads"] = t
-            result["page_over_bare"] = result["step_ms"] / bare_fluid(result["simulation"], 5) if t == threads[-1] else np.nan
+            result["page_over_bare"] = (
+                result["step_ms"] / bare_fluid(result["simulation"], 5) if t == threads[-1] else np.nan
+            )
             result.pop("simulation")
             results.append(result)
             say(

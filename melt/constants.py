@@ -35,8 +35,11 @@ def lattice_density(scene):
 def smoothing_of(scene, real):
     """Return the `Smoothing` tuple of a scene."""
     return P.make(
-        P.Smoothing, real, support=scene.support,
-        kernel=KERNELS[scene.solver.kernel], laplacian=LAPLACIANS[scene.solver.laplacian],
+        P.Smoothing,
+        real,
+        support=scene.support,
+        kernel=KERNELS[scene.solver.kernel],
+        laplacian=LAPLACIANS[scene.solver.laplacian],
     )
 
 
@@ -66,8 +69,15 @@ def grid_of(scene, particles, real):
         edge *= 1.26
     cells = [math.ceil(e / edge) for e in extent]
     return P.make(
-        P.Grid, real, origin_x=lower[0], origin_y=lower[1], origin_z=lower[2], inverse_cell=1.0 / edge,
-        nx=cells[0], ny=cells[1], nz=cells[2],
+        P.Grid,
+        real,
+        origin_x=lower[0],
+        origin_y=lower[1],
+        origin_z=lower[2],
+        inverse_cell=1.0 / edge,
+        nx=cells[0],
+        ny=cells[1],
+        nz=cells[2],
     )
 
 
@@ -88,23 +98,48 @@ def params_of(scene, particles, sound_speed, real):
         "smoothing": smoothing_of(scene, real),
         "grid": grid_of(scene, particles, real),
         "fluid": P.make(
-            P.Fluid, real, sound_speed=sound_speed, viscosity=P.LAMINAR if f.viscosity == "laminar" else P.ARTIFICIAL,
-            alpha=f.alpha, mu=f.mu, solid_friction=f.alpha if f.solid_friction is None else f.solid_friction,
-            wall_friction=f.alpha if f.wall_friction is None else f.wall_friction, mirror=s.mirror, clamp=int(f.clamp), density_factor=density_factor(scene),
-            minimum_volume=dx**3, number_density=int(s.density_form == "number"),
-            gravity_x=scene.domain.gravity[0], gravity_y=scene.domain.gravity[1], gravity_z=scene.domain.gravity[2],
-            expansion=f.expansion, drag=f.drag, xsph=f.xsph, surface_tension=f.surface_tension,
+            P.Fluid,
+            real,
+            sound_speed=sound_speed,
+            viscosity=P.LAMINAR if f.viscosity == "laminar" else P.ARTIFICIAL,
+            alpha=f.alpha,
+            mu=f.mu,
+            solid_friction=f.alpha if f.solid_friction is None else f.solid_friction,
+            wall_friction=f.alpha if f.wall_friction is None else f.wall_friction,
+            mirror=s.mirror,
+            clamp=int(f.clamp),
+            density_factor=density_factor(scene),
+            minimum_volume=dx**3,
+            number_density=int(s.density_form == "number"),
+            gravity_x=scene.domain.gravity[0],
+            gravity_y=scene.domain.gravity[1],
+            gravity_z=scene.domain.gravity[2],
+            expansion=f.expansion,
+            drag=f.drag,
+            xsph=f.xsph,
+            surface_tension=f.surface_tension,
             reference_temperature=f.temperature if f.reference_temperature is None else f.reference_temperature,
         ),
         "guard": P.make(P.Guard, real, distance=s.guard_distance * dx),
         "contact": P.make(
-            P.Contact, real, distance=s.contact_distance * dx, stiffness=s.contact_stiffness,
-            damping=s.contact_damping, friction=s.contact_friction,
+            P.Contact,
+            real,
+            distance=s.contact_distance * dx,
+            stiffness=s.contact_stiffness,
+            damping=s.contact_damping,
+            friction=s.contact_friction,
         ),
         "lattice": lattice_of(scene, real),
         "domain": P.make(
-            P.Domain, real, lower_x=lower[0], lower_y=lower[1], lower_z=lower[2],
-            upper_x=upper[0], upper_y=upper[1], upper_z=upper[2], delete=int(scene.domain.leave == "delete"),
+            P.Domain,
+            real,
+            lower_x=lower[0],
+            lower_y=lower[1],
+            lower_z=lower[2],
+            upper_x=upper[0],
+            upper_y=upper[1],
+            upper_z=upper[2],
+            delete=int(scene.domain.leave == "delete"),
         ),
         "full_neighbours": real(lattice_offsets(s.support).size),
         "smallest": np.int32(s.crumb),
@@ -128,9 +163,19 @@ def lattice_of(scene, real):
     iterations = (60 if wide else 25) if s.rotation_iterations == "auto" else s.rotation_iterations
     tolerance = (1e-14 if wide else 1e-7) if s.rotation_tolerance is None else s.rotation_tolerance
     return P.make(
-        P.Lattice, real, width=s.width, spacing=scene.spacing, solid_volume=VOLUMES[s.solid_volume],
-        solid_scale=s.solid_scale, rotation=ROTATIONS[s.rotation], iterations=iterations, tolerance=tolerance,
-        stiffness=s.stiffness, damping=s.damping, refill=REFILLS[s.refill], connect=s.connect,
+        P.Lattice,
+        real,
+        width=s.width,
+        spacing=scene.spacing,
+        solid_volume=VOLUMES[s.solid_volume],
+        solid_scale=s.solid_scale,
+        rotation=ROTATIONS[s.rotation],
+        iterations=iterations,
+        tolerance=tolerance,
+        stiffness=s.stiffness,
+        damping=s.damping,
+        refill=REFILLS[s.refill],
+        connect=s.connect,
     )
 
 
@@ -138,10 +183,17 @@ def heat_of(scene, real):
     """Return the `Heat` tuple of a scene."""
     h = scene.heat
     return P.make(
-        P.Heat, real, law=P.HEAT_PAPER if h.law == "paper" else P.HEAT_PHYSICAL, current_volume=int(h.volume == "current"),
-        full_sweep=int(h.sweep_dt == "full"), latent=int(h.latent), ambient_transfer=h.ambient_transfer,
+        P.Heat,
+        real,
+        law=P.HEAT_PAPER if h.law == "paper" else P.HEAT_PHYSICAL,
+        current_volume=int(h.volume == "current"),
+        full_sweep=int(h.sweep_dt == "full"),
+        latent=int(h.latent),
+        ambient_transfer=h.ambient_transfer,
         ambient_temperature=0.0 if h.ambient_temperature is None else h.ambient_temperature,
-        full_neighbours=float(lattice_offsets(scene.solver.support).size), spacing=scene.spacing, ambient_area=8 / 3,
+        full_neighbours=float(lattice_offsets(scene.solver.support).size),
+        spacing=scene.spacing,
+        ambient_area=8 / 3,
         wall_fixed=int(h.wall_temperature is not None),
     )
 
@@ -150,8 +202,13 @@ def change_of(scene, real):
     """Return the `Change` tuple of a scene."""
     h = scene.heat
     return P.make(
-        P.Change, real, own_liquid=int(scene.solver.melt_to == "own"), latent=int(h.latent), hysteresis=h.hysteresis,
-        reach=0.6 * scene.spacing, speed=0.5 * scene.spacing / scene.time.dt,
+        P.Change,
+        real,
+        own_liquid=int(scene.solver.melt_to == "own"),
+        latent=int(h.latent),
+        hysteresis=h.hysteresis,
+        reach=0.6 * scene.spacing,
+        speed=0.5 * scene.spacing / scene.time.dt,
     )
 
 

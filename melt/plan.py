@@ -93,11 +93,23 @@ def settings_of(scene, initial, sound_speed, depth, precision):
     solid = initial["phase"] == SOLID
     density = initial["mass"][solid] / initial["rest_volume"][solid] if solid.any() else np.array([f.density])
     chosen = SimpleNamespace(
-        neighbours=s.neighbours, solid_volume=s.solid_volume, rigid=s.baseline == "rigid", lattice_damping=s.damping,
-        leap_frog=s.integration, melt_every=s.melt_every, crumb=s.crumb, nozzles=initial.nozzles, capacity=initial["id"].size,
-        n_sub=None if t.n_sub == "auto" else t.n_sub, n_sub_max=t.n_sub_max,
-        support=scene.support, sound_speed=sound_speed, alpha=f.alpha, kinematic_viscosity=mu / f.density,
-        gravity=math.sqrt(sum(c * c for c in scene.domain.gravity)), lightest_solid=float(density.min()) / f.density,
+        neighbours=s.neighbours,
+        solid_volume=s.solid_volume,
+        rigid=s.baseline == "rigid",
+        lattice_damping=s.damping,
+        leap_frog=s.integration,
+        melt_every=s.melt_every,
+        crumb=s.crumb,
+        nozzles=initial.nozzles,
+        capacity=initial["id"].size,
+        n_sub=None if t.n_sub == "auto" else t.n_sub,
+        n_sub_max=t.n_sub_max,
+        support=scene.support,
+        sound_speed=sound_speed,
+        alpha=f.alpha,
+        kinematic_viscosity=mu / f.density,
+        gravity=math.sqrt(sum(c * c for c in scene.domain.gravity)),
+        lightest_solid=float(density.min()) / f.density,
     )
     chosen.wall_memory = s.wall_memory
     if s.wall_memory == "auto":
@@ -119,11 +131,18 @@ def sizes_of(scene, initial, params, precision):
     grid = params["grid"]
     cells = int(grid.nx) * int(grid.ny) * int(grid.nz) + 2
     return {
-        "particle": n, "neighbour": scene.solver.max_neighbours, "cell": cells, "node": n,
-        "chunk": math.ceil(max(n, cells) / 256) + 1, "site": initial["site_body"].size, "link": 27,
-        "region": (2 * scene.solver.width + 1) ** 3, "material": initial["material_density"].size,
+        "particle": n,
+        "neighbour": scene.solver.max_neighbours,
+        "cell": cells,
+        "node": n,
+        "chunk": math.ceil(max(n, cells) / 256) + 1,
+        "site": initial["site_body"].size,
+        "link": 27,
+        "region": (2 * scene.solver.width + 1) ** 3,
+        "material": initial["material_density"].size,
         "heater": initial["heater_mode"].size if "heater_mode" in initial else 0,
-        "inlet": initial["inflow_mass"].size if "inflow_mass" in initial else 0, "reduction": 64,
+        "inlet": initial["inflow_mass"].size if "inflow_mass" in initial else 0,
+        "reduction": 64,
     }
 
 
@@ -147,7 +166,14 @@ def prepare(scene, initial, precision=None):
     names = {*ALWAYS, *do.fields} - absent
     sizes = sizes_of(scene, initial, params, precision)
     return Prepared(
-        page, need, settings, params, sizes, precision, do.stages, [n for n in FIELDS if n in names],
+        page,
+        need,
+        settings,
+        params,
+        sizes,
+        precision,
+        do.stages,
+        [n for n in FIELDS if n in names],
         [warning] if warning else [],
     )
 
@@ -159,15 +185,31 @@ def scales_of(scene, initial, settings):
     T = initial["temperature"] if "temperature" in initial else np.array([0.0, 1.0])
     k = float(initial["material_conductivity"].max(initial=0.0)) if "material_conductivity" in initial else 1.0
     c = 1.0 if scene.heat is None or scene.heat.law == "paper" else rho * float(initial["material_specific_heat"].max())
-    latent = mass * float(initial["material_latent_heat"].max(initial=0.0)) if "material_latent_heat" in initial else 1.0
+    latent = (
+        mass * float(initial["material_latent_heat"].max(initial=0.0)) if "material_latent_heat" in initial else 1.0
+    )
     # 1 % of rho c_s^2 is the pressure that the sound speed was chosen for
     pressure = 0.01 * rho * cs**2
     return {
-        "one": 1.0, "spacing": dx, "speed": 0.1 * cs, "force": pressure * dx**2, "mass": mass, "volume": dx**3,
-        "density": rho, "pressure": pressure, "temperature": max(1.0, float(np.ptp(T))), "conductivity": k or 1.0,
-        "heat_capacity": c * dx**3, "heat": c * dx**3 * max(1.0, float(np.ptp(T))), "latent_energy": latent or 1.0,
-        "specific_heat": c, "latent_heat": 1.0, "number_density": 1 / dx**3, "rate": 0.1 * cs / dx,
-        "acceleration": cs**2 / dx * 0.01, "rate2": (0.1 * cs / dx) ** 2,
+        "one": 1.0,
+        "spacing": dx,
+        "speed": 0.1 * cs,
+        "force": pressure * dx**2,
+        "mass": mass,
+        "volume": dx**3,
+        "density": rho,
+        "pressure": pressure,
+        "temperature": max(1.0, float(np.ptp(T))),
+        "conductivity": k or 1.0,
+        "heat_capacity": c * dx**3,
+        "heat": c * dx**3 * max(1.0, float(np.ptp(T))),
+        "latent_energy": latent or 1.0,
+        "specific_heat": c,
+        "latent_heat": 1.0,
+        "number_density": 1 / dx**3,
+        "rate": 0.1 * cs / dx,
+        "acceleration": cs**2 / dx * 0.01,
+        "rate2": (0.1 * cs / dx) ** 2,
     }
 
 
@@ -180,6 +222,7 @@ def carried(prepared):
     """Return the fields that a checkpoint must hold: those that later steps read before they write."""
     derived = {"neighbour", "cell", "chunk", "node", "reduction"}
     return [
-        n for n in prepared.fields
+        n
+        for n in prepared.fields
         if n in CARRIED or (not derived & set(FIELDS[n].shape) and "particle" not in FIELDS[n].shape)
     ]

@@ -44,7 +44,17 @@ class Plan(NamedTuple):
 
     def lines(self):
         """Return the plan as lines of text."""
-        return [*_head(self), "", *_stages(self), "", *_fields(self), "", *_forecast(self), "", *map(str, self.findings)]
+        return [
+            *_head(self),
+            "",
+            *_stages(self),
+            "",
+            *_fields(self),
+            "",
+            *_forecast(self),
+            "",
+            *map(str, self.findings),
+        ]
 
 
 def plan(scene, precision=None, initial=None):
@@ -83,10 +93,13 @@ def _overlap(scene, initial, prepared):
     if not len(close):
         return []
     at = np.array2string(x[close[0, 0]], precision=3)
-    return [Finding(
-        "warning", f"{len(close)} pairs of particles are closer than 0.9 spacings, the first at {at} m: they are thrown apart",
-        "move the bodies by whole spacings",
-    )]
+    return [
+        Finding(
+            "warning",
+            f"{len(close)} pairs of particles are closer than 0.9 spacings, the first at {at} m: they are thrown apart",
+            "move the bodies by whole spacings",
+        )
+    ]
 
 
 def _walls(scene, initial, prepared):
@@ -94,10 +107,13 @@ def _walls(scene, initial, prepared):
     if not (initial["phase"] == WALL).any() or thick >= scene.support * (1 - 1e-9):
         return []
     need = math.ceil(scene.support / scene.spacing - 1e-9)
-    return [Finding(
-        "warning", f"walls are {thick:g} m thick, thinner than the support of {scene.support:g} m: liquid near them is too light",
-        f"domain.walls.layers = {need}",
-    )]
+    return [
+        Finding(
+            "warning",
+            f"walls are {thick:g} m thick, thinner than the support of {scene.support:g} m: liquid near them is too light",
+            f"domain.walls.layers = {need}",
+        )
+    ]
 
 
 def _density(scene, initial, prepared):
@@ -114,7 +130,9 @@ def _density(scene, initial, prepared):
     some = initial["position"].T[liquid[:: max(1, liquid.size // 2000)]]
     near = cKDTree(some).sparse_distance_matrix(cKDTree(x), scene.support, output_type="coo_matrix")
     smoothing, fluid = prepared.params["smoothing"], prepared.params["fluid"]
-    ratio = np.bincount(near.row, weight[near.col] * W(near.data, smoothing), minlength=len(some)) * float(fluid.density_factor)
+    ratio = np.bincount(near.row, weight[near.col] * W(near.data, smoothing), minlength=len(some)) * float(
+        fluid.density_factor
+    )
     worst = float(ratio.max()) - 1
     text = f"density of the liquid as placed: at most {worst:+.2%} from its rest density, {ratio.max():.4f} of it"
     if worst > max(0.01, 2 * scene.fluid.compression):
@@ -129,10 +147,13 @@ def _resolution(scene, initial, prepared):
     step = np.spacing(np.float32(far)) / scene.spacing
     if step < 2e-6:
         return []
-    return [Finding(
-        "warning", f"float32 positions at {far:.3g} m are {step:.1e} spacings apart: pressures become noisy beyond 1e-5",
-        "solver.precision = 'mixed', or coordinates near the origin",
-    )]
+    return [
+        Finding(
+            "warning",
+            f"float32 positions at {far:.3g} m are {step:.1e} spacings apart: pressures become noisy beyond 1e-5",
+            "solver.precision = 'mixed', or coordinates near the origin",
+        )
+    ]
 
 
 def _sub_steps(scene, initial, prepared):
@@ -142,10 +163,13 @@ def _sub_steps(scene, initial, prepared):
     governing = min(bounds, key=bounds.get)
     s, dt = prepared.settings, scene.time.dt
     if s.n_sub is not None and dt / s.n_sub > 1.0001 * bounds[governing]:
-        return [Finding(
-            "warning", f"time.n_sub = {s.n_sub} makes sub-steps of {dt / s.n_sub:.3g} s, the bound '{governing}' allows {bounds[governing]:.3g} s",
-            f"time.n_sub = {math.ceil(dt / bounds[governing])}, or 'auto'",
-        )]
+        return [
+            Finding(
+                "warning",
+                f"time.n_sub = {s.n_sub} makes sub-steps of {dt / s.n_sub:.3g} s, the bound '{governing}' allows {bounds[governing]:.3g} s",
+                f"time.n_sub = {math.ceil(dt / bounds[governing])}, or 'auto'",
+            )
+        ]
     return []
 
 
@@ -159,8 +183,13 @@ def _heat(scene, initial, prepared):
     solver = chosen_solver(prepared.settings)
     found = [Finding("note", f"heat: Fourier number {fo:.3g}, solver {solver}, explicit limit {limit:.3g} s")]
     if fo > 0.5 and solver.startswith("pairs"):
-        found.append(Finding(
-            "warning", f"pair sweeps at a Fourier number of {fo:.3g} depend on the order of pairs", "heat.solver = 'cg' or 'auto'"))
+        found.append(
+            Finding(
+                "warning",
+                f"pair sweeps at a Fourier number of {fo:.3g} depend on the order of pairs",
+                "heat.solver = 'cg' or 'auto'",
+            )
+        )
     return found
 
 
@@ -206,6 +235,9 @@ def _forecast(p):
             yield f"time step bound {name:<12}{seconds:.4g} s{'   <- governs' if name == governing else ''}"
         yield f"sub-steps per outer step at the start: {sub}"
     seconds = n * sub * scene.time.steps * SECONDS_PER_PARTICLE[p.prepared.precision]
-    frame = sum(8 if f == "id" else 4 * (3 if f in ("position", "velocity") else 1) for f in ("id", "position", "velocity", "pressure"))
+    frame = sum(
+        8 if f == "id" else 4 * (3 if f in ("position", "velocity") else 1)
+        for f in ("id", "position", "velocity", "pressure")
+    )
     files = (scene.time.steps // scene.time.output_steps + 1) * n * frame
     yield f"forecast on 2 cores: {seconds:,.0f} s for {scene.time.steps:,} steps, {files / 1e6:,.0f} MB of output at most"

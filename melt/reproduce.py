@@ -45,7 +45,10 @@ def run(name, out=None, quick=False, say=print):
     say((module.__doc__ or "").strip().splitlines()[0])
     for row in rows:
         mark = {True: "ok  ", False: "MISS", None: "    "}[row.ok]
-        say(f"{mark} {row.name}: paper/truth {row.expected}; ours {row.measured}" + (f" (bound {row.bound})" if row.bound else ""))
+        say(
+            f"{mark} {row.name}: paper/truth {row.expected}; ours {row.measured}"
+            + (f" (bound {row.bound})" if row.bound else "")
+        )
         if row.note:
             say(f"       {row.note}")
     return all(row.ok is not False for row in rows)

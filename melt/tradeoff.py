@@ -14,7 +14,7 @@ import numpy as np
 
 from melt.errors import MeltError
 from melt.scene import load_scene
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 #: (knob, value, overrides) of the mechanical part, of solids, and of heat. Melting spec 7.
 MECHANICS = [
@@ -76,7 +76,7 @@ def sample(scene, steps, warm=2):
     """
     sim = Simulation(scene, "cpu")
     curves, spent = [], []
-    for k in range(steps):
+    for _ in range(steps):
         began = time.perf_counter()
         sim.step()
         spent.append(time.perf_counter() - began)
@@ -84,7 +84,12 @@ def sample(scene, steps, warm=2):
     stacked = {name: np.array([c[name] for c in curves]) for name in curves[0]}
     values = sim.series()
     # the first steps compile: they are not timed
-    return stacked, 1e3 * float(np.median(spent[warm:])), int(values.get("n_sub", 0)), values.get("neighbours_mean", 0.0)
+    return (
+        stacked,
+        1e3 * float(np.median(spent[warm:])),
+        int(values.get("n_sub", 0)),
+        values.get("neighbours_mean", 0.0),
+    )
 
 
 def _curves(sim):
@@ -129,9 +134,11 @@ def pareto(points, error):
         if p.failure or not np.isfinite(p.errors.get(error, np.nan)):
             continue
         beaten = any(
-            q.ms_per_step <= p.ms_per_step and q.errors[error] <= p.errors[error]
+            q.ms_per_step <= p.ms_per_step
+            and q.errors[error] <= p.errors[error]
             and (q.ms_per_step < p.ms_per_step or q.errors[error] < p.errors[error])
-            for q in points if not q.failure and np.isfinite(q.errors.get(error, np.nan))
+            for q in points
+            if not q.failure and np.isfinite(q.errors.get(error, np.nan))
         )
         if not beaten:
             best.append(i)
@@ -213,10 +220,14 @@ def plot(points, errors, name, out):
         for p in good:
             y = max(p.errors[error], floor)
             ax.plot(p.ms_per_step, y, "o", color="#d95f02" if p.knob == "default" else "#1b6ca8")
-            ax.annotate(f"{p.knob} {p.value}", (p.ms_per_step, y), fontsize=6, xytext=(3, 3), textcoords="offset points")
+            ax.annotate(
+                f"{p.knob} {p.value}", (p.ms_per_step, y), fontsize=6, xytext=(3, 3), textcoords="offset points"
+            )
         front = sorted((points[i].ms_per_step, max(points[i].errors[error], floor)) for i in pareto(points, error))
         ax.plot(*zip(*front), "-", color="#999999", zorder=0) if front else None
-        ax.set(xscale="log", yscale="log", xlabel="ms per outer step", ylabel=f"error of {error}", title=f"{name}: {error}")
+        ax.set(
+            xscale="log", yscale="log", xlabel="ms per outer step", ylabel=f"error of {error}", title=f"{name}: {error}"
+        )
         ax.grid(alpha=0.3)
     figure.tight_layout()
     figure.savefig(out, dpi=130)

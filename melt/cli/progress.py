@@ -11,7 +11,7 @@ DELAY = 2.0  # seconds before a bar appears
 
 
 class RunProgress:
-    """Callback of `melt.simulate`: ``progress(event, **values)``. Use it as a context manager.
+    """Callback of `melt.simulation`: ``progress(event, **values)``. Use it as a context manager.
 
     Warnings and the backend are said always (unless ``quiet``), the bar only where stderr is a terminal:
     a first sub-step that compiles, then share done, time left and particle sub-steps per second.

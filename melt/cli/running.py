@@ -45,10 +45,10 @@ def run(
     end = _seconds(until)
     _precision(precision)
     output = output or pathlib.Path(f"{pathlib.Path(scene).stem}.vtkhdf")
-    from melt import simulate
+    from melt import simulation
 
     with RunProgress(quiet) as progress:
-        result = simulate.run(
+        result = simulation.run(
             chosen,
             output,
             backend=backend,
@@ -74,10 +74,10 @@ def resume(
 ):
     """Continue a run from its last checkpoint; on the same backend bit by bit as if it had never stopped."""
     end = _seconds(until)
-    from melt import simulate
+    from melt import simulation
 
     with RunProgress(quiet) as progress:
-        result = simulate.resume(path, backend=backend, threads=threads, progress=progress, until=end)
+        result = simulation.resume(path, backend=backend, threads=threads, progress=progress, until=end)
     _end(result, progress, path, None)
 
 

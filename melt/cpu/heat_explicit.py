@@ -7,7 +7,6 @@ import numpy as np
 from melt._compile import cpu_helper, cpu_stage, prange
 from melt.physics.heat import absorb, pair_factor, pair_latent, pair_weight
 
-
 _CHUNKS = 64
 
 

@@ -5,7 +5,7 @@ import copy
 import numpy as np
 
 from melt.scene import scene_from_dict
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 DX = 0.2
 BASE = {

@@ -16,7 +16,7 @@ from extreme_scenes import (
     stepped,
 )
 
-from melt import simulate
+from melt import simulation
 from melt.diagnostics import coincident
 from melt.errors import MeltError
 from melt.geometry.build import build
@@ -24,7 +24,7 @@ from melt.output.run_reader import open_run
 from melt.output.surface_mesh import reconstruct
 from melt.preflight import plan
 from melt.scene import scene_from_dict
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 ONE_LIQUID = {"fluid": fill([1, 1, 3], [1, 1, 1]), "solid": []}
 ONE_SOLID = {"fluid": NO_LIQUID, "solid": [box([1, 1, 3], [1, 1, 1], temperature=-10.0)]}
@@ -48,10 +48,10 @@ def test_few_particles_or_none_run_to_a_whole_file_that_resumes(case, tmp_path):
     import vtk
 
     small, path = scene(**CASES[case]), tmp_path / "run.vtkhdf"
-    sim = simulate.run(small, path, backend="cpu", until=0.03).simulation
+    sim = simulation.run(small, path, backend="cpu", until=0.03).simulation
     assert all_finite(sim)
     count = int((sim.initial["phase"] < 2).sum())
-    assert simulate.resume(path).simulation.do.clock.step == 10
+    assert simulation.resume(path).simulation.do.clock.step == 10
     reader = vtk.vtkHDFReader()
     reader.SetFileName(str(path))
     reader.UpdateInformation()
@@ -184,7 +184,7 @@ def test_a_particle_a_million_kilometres_away_costs_no_memory(search, precision)
 @pytest.mark.parametrize(("leave", "left"), [("keep", 32), ("delete", 0)])
 def test_particles_that_fall_out_of_the_domain_are_counted_and_kept_or_deleted(leave, left, tmp_path):
     falling = scene(solid=[], domain={**OPEN, "leave": leave}, time={"end": 1.0, "output_every": 0.5})
-    sim = simulate.run(falling, tmp_path / "run.vtkhdf", backend="cpu").simulation
+    sim = simulation.run(falling, tmp_path / "run.vtkhdf", backend="cpu").simulation
     values = sim.series()
     assert values["lost_particles"] == 32
     assert values["liquid_particles"] == left
@@ -216,9 +216,9 @@ def test_an_inflow_stops_when_every_slot_is_in_use_and_says_so(monkeypatch):
                 initial.arrays[name] = np.ascontiguousarray(values[..., : n - 7])
         return initial
 
-    monkeypatch.setattr(simulate, "build", too_few_slots)
+    monkeypatch.setattr(simulation, "build", too_few_slots)
     said = []
-    sim = simulate.run(
+    sim = simulation.run(
         pouring, backend="cpu", progress=lambda event, message="", **_: said.append(message)
     ).simulation
     stops = [text for text in said if "inflow stopped" in text]

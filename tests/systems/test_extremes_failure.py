@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from extreme_scenes import scene
 
-from melt import simulate
+from melt import simulation
 from melt.errors import InputError, MeltError
 from melt.geometry.build import build
 from melt.output import checkpoint
 from melt.output.run_reader import open_run
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 from melt.stages import STAGES
 
 
@@ -112,7 +112,7 @@ def test_frames_and_checkpoint_before_a_bad_value_are_kept_and_the_run_can_go_on
 
     path, whole = tmp_path / "run.vtkhdf", tmp_path / "whole.vtkhdf"
     long = scene(time={"end": 0.1})
-    simulate.run(long, whole, backend="cpu")
+    simulation.run(long, whole, backend="cpu")
     running = {}
 
     def progress(event, simulation=None, step=0, **_):
@@ -121,7 +121,7 @@ def test_frames_and_checkpoint_before_a_bad_value_are_kept_and_the_run_can_go_on
             plant(running["sim"], "velocity", LIQUID)
 
     with pytest.raises(MeltError, match="step 10, t = 0.05 s"):
-        simulate.run(long, path, backend="cpu", progress=progress)
+        simulation.run(long, path, backend="cpu", progress=progress)
     reader = vtk.vtkHDFReader()
     reader.SetFileName(str(path))
     reader.UpdateInformation()
@@ -134,7 +134,7 @@ def test_frames_and_checkpoint_before_a_bad_value_are_kept_and_the_run_can_go_on
         )
     arrays, meta = checkpoint.load(checkpoint.beside(path))
     assert meta["clock"]["step"] == 8 and np.isfinite(arrays["velocity"]).all()
-    simulate.resume(path)
+    simulation.resume(path)
     with open_run(path) as again, open_run(whole) as right:
         assert len(again) == len(right) == 11
         assert all(np.array_equal(again.frame(10)[f], right.frame(10)[f]) for f in right.fields)
@@ -142,22 +142,22 @@ def test_frames_and_checkpoint_before_a_bad_value_are_kept_and_the_run_can_go_on
 
 def test_a_checkpoint_of_another_scene_is_refused(tmp_path):
     path, other = tmp_path / "run.vtkhdf", tmp_path / "other.vtkhdf"
-    simulate.run(scene(), path, backend="cpu")
-    simulate.run(scene(fluid={"temperature": 41.0}), other, backend="cpu")
+    simulation.run(scene(), path, backend="cpu")
+    simulation.run(scene(fluid={"temperature": 41.0}), other, backend="cpu")
     checkpoint.beside(other).replace(checkpoint.beside(path))
     before = path.read_bytes()
     with pytest.raises(MeltError, match="another scene.*start the run afresh"):
-        simulate.resume(path)
+        simulation.resume(path)
     assert path.read_bytes() == before
 
 
 def test_replacing_a_run_removes_the_checkpoint_of_the_old_one(tmp_path):
     path = tmp_path / "run.vtkhdf"
-    simulate.run(scene(), path, backend="cpu")
+    simulation.run(scene(), path, backend="cpu")
     assert checkpoint.beside(path).exists()
-    simulate.run(
+    simulation.run(
         scene(time={"checkpoint_every": "never", "end": 0.03}), path, backend="cpu", overwrite=True, until=0.0
     )
     assert not checkpoint.beside(path).exists()
     with pytest.raises(MeltError, match="checkpoint"):
-        simulate.resume(path)
+        simulation.resume(path)

@@ -7,7 +7,7 @@ from extreme_scenes import BASE, NO_LIQUID, WEIGHTLESS, box, fill, scene, steppe
 from melt.errors import MeltError
 from melt.geometry.build import build
 from melt.preflight import plan
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 SOLVERS = ["auto", "pairs_seq", "pairs_coloured", "onesided", "cg", "explicit"]
 CONSERVING = ["auto", "pairs_seq", "pairs_coloured", "cg"]

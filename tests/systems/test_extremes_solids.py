@@ -5,10 +5,10 @@ import pytest
 from extreme_scenes import BASE, DX, NO_LIQUID, OPEN, WEIGHTLESS, all_finite, box, fill, scene, stepped
 from scipy.spatial.distance import pdist
 
-from melt import simulate
+from melt import simulation
 from melt.geometry.build import build
 from melt.output.run_reader import open_run
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 SHEET = [box([0, 0, 3], [4, 4, 1], temperature=10.0)]
 HOT = [box([1, 1, 3], [2, 2, 2], temperature=10.0)]
@@ -37,7 +37,7 @@ def test_a_sheet_melts_whole_in_one_step(sections, tmp_path):
         assert (sim.state.read(name)[:16] == vacant).all()
     assert (sim.state.read("site_particle") == -1).all()
     assert (sim.state.read("site_links") == -1).all() and (sim.state.read("site_region") == -1).all()
-    sim = simulate.run(thin, path, backend="cpu").simulation
+    sim = simulation.run(thin, path, backend="cpu").simulation
     assert all_finite(sim)
     with open_run(path) as run:
         assert run.series["solid_particles"].tolist() == [16, 0, 0, 0, 0, 0]
@@ -226,7 +226,7 @@ def test_liquid_below_a_body_is_removed_at_the_start_and_counted():
     initial = build(inside)
     assert any("removed 4 liquid particles closer than 0.9 dx" in note for note in initial.notes)
     said = []
-    simulate.run(
+    simulation.run(
         inside,
         backend="cpu",
         until=0.0,

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from extreme_scenes import BASE, NO_LIQUID, OPEN, all_finite, box, fill, merged, scene, stepped
 
-from melt import simulate
+from melt import simulation
 from melt.errors import GeometryError, InputError, MeltError, SceneError
 from melt.geometry.build import build
 from melt.preflight import plan
 from melt.scene import Scene, scene_from_dict
 from melt.scene.model import About
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 LONG = {"dt": 1.0, "end": 5.0}
 
@@ -37,7 +37,7 @@ def test_a_fixed_number_of_sub_steps_that_is_too_few_is_a_warning_before_the_run
         said.append((event, message))
 
     try:
-        sim = simulate.run(scene(time={**LONG, "n_sub": 1}), backend="cpu", progress=progress).simulation
+        sim = simulation.run(scene(time={**LONG, "n_sub": 1}), backend="cpu", progress=progress).simulation
     except MeltError:
         sim = None  # an unstable step may also end it: what counts is that it is not silent
     warnings = [text for event, text in said if event == "warning"]
@@ -81,7 +81,7 @@ def test_a_step_by_hand_must_be_a_positive_number(dt):
 @pytest.mark.parametrize("until", [-1, math.nan, math.inf])
 def test_an_end_that_is_no_time_is_refused_before_anything_is_written(until, tmp_path):
     with pytest.raises(InputError, match="until"):
-        simulate.run(scene(), tmp_path / "a.vtkhdf", backend="cpu", until=until)
+        simulation.run(scene(), tmp_path / "a.vtkhdf", backend="cpu", until=until)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -38,7 +38,11 @@ def test_auto_chooses_by_fourier_number():
 @pytest.mark.parametrize("backend", ("reference", "cpu", "cuda-emulated"))
 @pytest.mark.parametrize("latent", (False, True))
 def test_cg_solves_the_dense_system(backend, latent):
-    options = dict(latent=True, latent_heat=(20.0,), melting_point=(0.0,), phase=lambda k: np.ones(k.shape[1], int)) if latent else {}
+    options = (
+        dict(latent=True, latent_heat=(20.0,), melting_point=(0.0,), phase=lambda k: np.ones(k.shape[1], int))
+        if latent
+        else {}
+    )
     a = slab(backend=backend, **options)
     x, T0, V = a.read("position"), a.read("temperature"), 0.008
     E0 = T0 * V + (a.read("latent_energy") if latent else 0)

@@ -5,7 +5,7 @@ import pytest
 from melt.bind import LockstepError
 from melt.cuda import motion
 from melt.scene import load_scene
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 
 def test_cpu_and_emulated_cuda_agree_on_a_live_run():

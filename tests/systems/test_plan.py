@@ -8,7 +8,7 @@ from melt.geometry.build import build
 from melt.plan import prepare
 from melt.preflight import plan
 from melt.scene import load_scene, scene_from_dict
-from melt.simulate import Simulation
+from melt.simulation import Simulation
 
 SOLID_FIELDS = {n for n, f in FIELDS.items() if "site" in f.shape}
 HEAT_FIELDS = {n for n in FIELDS if n.startswith(("temperature", "heat_", "latent_", "conductivity", "cg_"))}

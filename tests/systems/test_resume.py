@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from melt import simulate
+from melt import simulation
 from melt.errors import MeltError
 from melt.output.run_reader import open_run
 from melt.scene import load_scene
@@ -26,7 +26,7 @@ def scene():
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "run.vtkhdf"
-    simulate.run(scene(), path, backend="cpu")
+    simulation.run(scene(), path, backend="cpu")
     return path
 
 
@@ -52,15 +52,15 @@ def test_a_run_melts_something(whole):
 
 
 def test_two_runs_are_bit_identical(whole, tmp_path):
-    simulate.run(scene(), tmp_path / "again.vtkhdf", backend="cpu")
+    simulation.run(scene(), tmp_path / "again.vtkhdf", backend="cpu")
     assert _same(whole, tmp_path / "again.vtkhdf") == []
 
 
 def test_resume_after_until_equals_an_uninterrupted_run(whole, tmp_path):
     path = tmp_path / "part.vtkhdf"
-    simulate.run(scene(), path, backend="cpu", until=0.2)
+    simulation.run(scene(), path, backend="cpu", until=0.2)
     assert len(open_run(path)) < len(open_run(whole))
-    simulate.resume(path)
+    simulation.resume(path)
     assert _same(whole, path) == []
 
 
@@ -69,10 +69,10 @@ def test_kill_9_keeps_frames_that_vtk_reads_and_resume_is_bit_identical(whole, t
 
     path = tmp_path / "killed.vtkhdf"
     code = (
-        "from melt import simulate; from melt.scene import load_scene; "
-        f"simulate.run(load_scene('ice_cube_small', {OVERRIDES!r}), {str(path)!r}, backend='cpu')"
+        "from melt import simulation; from melt.scene import load_scene; "
+        f"simulation.run(load_scene('ice_cube_small', {OVERRIDES!r}), {str(path)!r}, backend='cpu')"
     )
-    root = str(pathlib.Path(simulate.__file__).parents[1])
+    root = str(pathlib.Path(simulation.__file__).parents[1])
     child = subprocess.Popen([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": root})
     try:
         until = time.time() + 300
@@ -95,7 +95,7 @@ def test_kill_9_keeps_frames_that_vtk_reads_and_resume_is_bit_identical(whole, t
         reader.SetStep(k)
         reader.Update()
         assert reader.GetOutputDataObject(0).GetNumberOfPoints() == len(open_run(path).frame(k)["id"])
-    simulate.resume(path)
+    simulation.resume(path)
     assert _same(whole, path) == []
 
 
@@ -106,11 +106,11 @@ def test_ctrl_c_ends_after_the_step_with_a_readable_file(tmp_path):
         if event == "step" and step == 20:
             signal.raise_signal(signal.SIGINT)
 
-    result = simulate.run(scene(), path, backend="cpu", progress=progress)
+    result = simulation.run(scene(), path, backend="cpu", progress=progress)
     assert result.interrupted
     assert result.simulation.do.clock.step == 20
     assert len(open_run(path)) == 3
-    simulate.resume(path, until=0.15)
+    simulation.resume(path, until=0.15)
     assert open_run(path).times[-1] == pytest.approx(0.15)
 
 
@@ -118,4 +118,4 @@ def test_resume_without_checkpoint_says_so(tmp_path, whole):
     lonely = tmp_path / "lonely.vtkhdf"
     lonely.write_bytes(whole.read_bytes())
     with pytest.raises(MeltError, match="checkpoint"):
-        simulate.resume(lonely)
+        simulation.resume(lonely)
