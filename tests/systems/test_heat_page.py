@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from experiments.heat_slab import Slab
+from experiments._heat_slab import Slab
 from melt import _compile
 from melt.systems.heat import SOLVERS, chosen_solver, fourier_number, thermal_substeps
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from experiments import heat_cases as cases
-from experiments import heat_fronts as fronts
-from experiments.heat_slab import wall_plane
+from experiments import melting_heat as cases
+from experiments import _heat_fronts as fronts
+from experiments._heat_slab import wall_plane
 from melt import params as P
 
 

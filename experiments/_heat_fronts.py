@@ -1,6 +1,6 @@
 """Melting fronts of particles at rest against Stefan's and Neumann's solutions, and gallium (spec V8, V9).
 
-Rows as in `experiments.heat_cases`.
+Rows as in `experiments.melting_heat`.
 """
 
 import csv
@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import erf, erfc
 
-from experiments.heat_slab import Slab, wall_plane
+from experiments._heat_slab import Slab, wall_plane
 
 DATA = pathlib.Path(__file__).parents[1] / "data" / "measured"
 
