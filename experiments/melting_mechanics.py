@@ -112,7 +112,6 @@ def run(out, quick=False, say=print):
     with h5py.File(out, "w") as file:
         columns = {
             "default": {},
-            "plain mirror (2')": {"solver.wall_memory": 1e-6, "fluid.wall_friction": 0.0},
             "beta = 0": {"solver.mirror": 0.0},
             "paper's fast mode": {"time.n_sub": 1, "fluid.sound_speed": "legal"},
         }

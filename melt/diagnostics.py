@@ -127,20 +127,3 @@ def _thermal(wide, mobile):
     if "latent_energy" in wide:
         values["latent_energy"] = float(wide["latent_energy"][mobile].sum())
     return values
-
-
-def hydrostatic(scene, initial):
-    """Return rho g (top - z) [Pa] of liquid particles under the top of their own column, 0 for others."""
-    liquid = initial["phase"] == LIQUID
-    x, dx = initial["position"], scene.spacing
-    pressure = np.zeros(liquid.size)
-    if not liquid.any() or not np.isfinite(x[:, liquid]).all():
-        return pressure
-    cells = np.floor(x[:2, liquid] / dx).astype(np.int64)
-    _, column = np.unique(cells, axis=1, return_inverse=True)
-    column = column.ravel()
-    top = np.full(column.max() + 1, -np.inf)
-    np.maximum.at(top, column, x[2, liquid])
-    density = initial["mass"][liquid] / initial["rest_volume"][liquid]
-    pressure[liquid] = -scene.domain.gravity[2] * density * (top[column] + 0.5 * dx - x[2, liquid])
-    return np.maximum(pressure, 0.0)

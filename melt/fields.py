@@ -57,7 +57,7 @@ _TABLE = [
     _f("volume", "particle", "real", "m^3", "volume", "volume by which the particle enters SPH sums (phi V_min for solids)"),
     _f("density", "particle", "real", "kg/m^3", "density", "SPH density of a liquid, rest density of others"),
     _f("pressure", "particle", "real", "Pa", "pressure", "Tait pressure, 0 for others than liquid"),
-    _f("wall_pressure", "particle", "real", "Pa", "pressure", "recent mean of a liquid particle's pressure, which walls near it carry"),
+    _f("boundary_pressure", "particle", "real", "Pa", "pressure", "pressure of the liquid around a liquid particle, which solids and walls near it carry"),
     _f("offenders", "particle", "int", "1", "", "pairs of the particle that are closer than the guard distance"),
     _f("surface", "particle", "int", "1", "", "1 on the free surface of a liquid"),
     _f("temperature", "particle", "real", "degC", "temperature", "temperature"),
@@ -165,5 +165,5 @@ FIELDS = {field.name: field for field in _TABLE}
 
 #: Particle fields that travel when particles are sorted. All else is derived within a step.
 CARRIED = (
-    "id phase material site position velocity mass rest_volume wall_pressure temperature latent_energy latent_capacity"
+    "id phase material site position velocity mass rest_volume temperature latent_energy latent_capacity"
 ).split()

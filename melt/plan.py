@@ -86,7 +86,7 @@ def fourier_number(scene, initial):
     return float(alpha.max(initial=0.0)) * scene.time.dt / scene.spacing**2
 
 
-def settings_of(scene, initial, sound_speed, depth, precision):
+def settings_of(scene, initial, sound_speed, precision):
     """Return the run-time choices of the step page."""
     s, f, t, heat = scene.solver, scene.fluid, scene.time, scene.heat
     mu = f.mu if f.viscosity == "laminar" else 0.0
@@ -111,10 +111,6 @@ def settings_of(scene, initial, sound_speed, depth, precision):
         gravity=math.sqrt(sum(c * c for c in scene.domain.gravity)),
         lightest_solid=float(density.min()) / f.density,
     )
-    chosen.wall_memory = s.wall_memory
-    if s.wall_memory == "auto":
-        # slow against the acoustic period 4 H / c_s, fast against the time that a scene lasts
-        chosen.wall_memory = 1.5 * math.sqrt(depth / max(chosen.gravity, 1e-9)) or 1e-12
     if heat is not None:
         fo = fourier_number(scene, initial)
         chosen.heat_solver = heat.solver
@@ -156,7 +152,7 @@ def prepare(scene, initial, precision=None):
     sound_speed, warning = sound_speed_of(scene, depth, fall)
     params = params_of(scene, initial["id"].size, sound_speed, REAL[precision])
     need = needs(scene, initial)
-    settings = settings_of(scene, initial, sound_speed, depth, precision)
+    settings = settings_of(scene, initial, sound_speed, precision)
     page = melting.step if scene.solver.motion else melting.still_step
     do = Recorder(params, need, settings)
     do.clock.layers = dict.fromkeys((nozzle.name for nozzle in initial.nozzles), 0)

@@ -9,7 +9,7 @@ import numpy as np
 from melt import backend as backends
 from melt import plan
 from melt.bind import Lockstep, Plain, Timed
-from melt.diagnostics import hydrostatic, series
+from melt.diagnostics import series
 from melt.errors import MeltError
 from melt.fields import FIELDS
 from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
@@ -65,7 +65,6 @@ class Simulation:
         begin = {
             "density": self.initial["mass"] / used,
             "volume": self.initial["rest_volume"],
-            "wall_pressure": hydrostatic(self.scene, self.initial),
         }
         for name, values in begin.items():
             if name in self.state:

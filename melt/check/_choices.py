@@ -86,7 +86,6 @@ SCALARS = {
     "slot": 7,
     "lag": 2e-3,
     "reverse": 0,
-    "blend": 0.3,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.

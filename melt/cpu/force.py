@@ -9,8 +9,8 @@ from melt.physics.phases import LIQUID, SOLID
 
 @cpu_stage
 def fluid_force(
-    position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count, neighbour_index,
-    smoothing, fluid, force,
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, neighbour_count,
+    neighbour_index, smoothing, fluid, force,
 ):
     """See `melt.reference.force.fluid_force`."""
     real = type(smoothing.support)
@@ -33,7 +33,7 @@ def fluid_force(
             v_x = (u_i - velocity[0, j]) * x + (v_i - velocity[1, j]) * y + (w_i - velocity[2, j]) * z
             g_x = fluid.gravity_x * x + fluid.gravity_y * y + fluid.gravity_z * z
             f = pair_factor(
-                x * x + y * y + z * z, v_x, g_x, phase[j], V_i, m_i, rho_i, p_i, wall_pressure[i],
+                x * x + y * y + z * z, v_x, g_x, phase[j], V_i, m_i, rho_i, p_i, boundary_pressure[i],
                 volume[j], mass[j], density[j], pressure[j], smoothing, fluid,
             )
             fx += f * x
@@ -46,8 +46,8 @@ def fluid_force(
 
 @cpu_stage
 def reaction_force(
-    position, velocity, phase, mass, volume, density, pressure, neighbour_count, neighbour_index,
-    smoothing, fluid, force,
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, neighbour_count,
+    neighbour_index, smoothing, fluid, force,
 ):
     """See `melt.reference.force.reaction_force`."""
     real = type(smoothing.support)
@@ -74,7 +74,7 @@ def reaction_force(
             liquid = phase[j] == LIQUID
             V_j = volume[j] if liquid else real(1)  # keeps what is dropped finite
             f = pair_factor(
-                x * x + y * y + z * z, v_x, -g_x, SOLID, V_j, mass[j], density[j], pressure[j], real(0),
+                x * x + y * y + z * z, v_x, -g_x, SOLID, V_j, mass[j], density[j], pressure[j], boundary_pressure[j],
                 V_i, m_i, rho_i, real(0), smoothing, fluid,
             )
             f = f if liquid else real(0)

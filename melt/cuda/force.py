@@ -7,8 +7,8 @@ from melt.physics.phases import LIQUID, SOLID
 
 @cuda_kernel
 def _fluid_force(
-    position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count, neighbour_index,
-    smoothing, fluid, force,
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, neighbour_count,
+    neighbour_index, smoothing, fluid, force,
 ):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
@@ -32,7 +32,7 @@ def _fluid_force(
         v_x = (u_i - velocity[0, j]) * x + (v_i - velocity[1, j]) * y + (w_i - velocity[2, j]) * z
         g_x = fluid.gravity_x * x + fluid.gravity_y * y + fluid.gravity_z * z
         f = pair_factor(
-            x * x + y * y + z * z, v_x, g_x, phase[j], V_i, m_i, rho_i, p_i, wall_pressure[i],
+            x * x + y * y + z * z, v_x, g_x, phase[j], V_i, m_i, rho_i, p_i, boundary_pressure[i],
             volume[j], mass[j], density[j], pressure[j], smoothing, fluid,
         )
         fx += f * x
@@ -44,20 +44,20 @@ def _fluid_force(
 
 
 def fluid_force(
-    position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count, neighbour_index,
-    smoothing, fluid, force,
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, neighbour_count,
+    neighbour_index, smoothing, fluid, force,
 ):
     """See `melt.reference.force.fluid_force`."""
     _fluid_force.launch(
-        phase.shape[0], position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count,
-        neighbour_index, smoothing, fluid, force,
+        phase.shape[0], position, velocity, phase, mass, volume, density, pressure, boundary_pressure,
+        neighbour_count, neighbour_index, smoothing, fluid, force,
     )
 
 
 @cuda_kernel
 def _reaction_force(
-    position, velocity, phase, mass, volume, density, pressure, neighbour_count, neighbour_index,
-    smoothing, fluid, force,
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, neighbour_count,
+    neighbour_index, smoothing, fluid, force,
 ):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
@@ -81,7 +81,7 @@ def _reaction_force(
         g_x = fluid.gravity_x * x + fluid.gravity_y * y + fluid.gravity_z * z
         # the liquid's own formula from the solid's side: F_{k<-i} = -f x_ik = f x_ki
         f = pair_factor(
-            x * x + y * y + z * z, v_x, -g_x, SOLID, volume[j], mass[j], density[j], pressure[j], real(0),
+            x * x + y * y + z * z, v_x, -g_x, SOLID, volume[j], mass[j], density[j], pressure[j], boundary_pressure[j],
             V_i, m_i, rho_i, real(0), smoothing, fluid,
         )
         fx += f * x
@@ -93,11 +93,11 @@ def _reaction_force(
 
 
 def reaction_force(
-    position, velocity, phase, mass, volume, density, pressure, neighbour_count, neighbour_index,
-    smoothing, fluid, force,
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, neighbour_count,
+    neighbour_index, smoothing, fluid, force,
 ):
     """See `melt.reference.force.reaction_force`."""
     _reaction_force.launch(
-        phase.shape[0], position, velocity, phase, mass, volume, density, pressure, neighbour_count,
-        neighbour_index, smoothing, fluid, force,
+        phase.shape[0], position, velocity, phase, mass, volume, density, pressure, boundary_pressure,
+        neighbour_count, neighbour_index, smoothing, fluid, force,
     )

@@ -12,9 +12,8 @@ for liquid j, and for k solid or wall (2', 3'); V_k = phi_k V_min. The viscous t
 pairs that approach (v.x < 0): nu_ij = 2 alpha hs cs/(rho_i + rho_j), nu_ik = sigma hs cs/(2 rho_i).
 
 The boundary's pressure is that of a liquid at rest there, p_k = P_i - rho_i g . x_ik within 0 and
-2 P_i: (2') with the hydrostatic head. P_i is p_i for solids, and for walls its recent mean. Without
-the head, liquid beside a vertical wall misses the wall's share of the pressure gradient and bodies
-are lifted too much; without the mean, a tank keeps itself in motion (see `melt.physics.coupling`).
+2 P_i: (2') with a mean P_i of the liquid's pressure around i (`melt.reference.pressure`) in place of
+p_i, and with the hydrostatic head.
 """
 
 import numpy as np
@@ -23,7 +22,7 @@ from melt.reference._pairs import gradW, separations
 
 
 def pair_forces(
-    position, velocity, phase, mass, volume, density, pressure, wall_pressure, smoothing, fluid
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, smoothing, fluid
 ):
     """Return F (3, n, n) [N], F[:, i, j] on liquid i from j (any phase); 0 for other i."""
     x_ij, r = separations(position)
@@ -39,11 +38,10 @@ def pair_forces(
     to_boundary = liquid[:, None] & boundary[None, :]
     VV = V[:, None] * V[None, :]
 
-    # pressure: symmetric form between liquids; (2') against boundaries, walls with hydrostatic head
+    # pressure: symmetric form between liquids; (2') against boundaries, with hydrostatic head
     push = np.where(to_liquid, -VV * (s[:, None] + s[None, :]), 0.0)
     g_x = (_gravity(fluid)[:, :, None] * x_ij).sum(axis=0)
-    mean = np.asarray(wall_pressure, dtype=np.float64)[:, None]
-    P = np.where(phase[None, :] == 2, mean, p[:, None])
+    P = np.asarray(boundary_pressure, dtype=np.float64)[:, None]
     p_k = P - np.clip(rho[:, None] * g_x, -np.abs(P), np.abs(P))
     push += np.where(to_boundary, -VV * (s[:, None] + float(fluid.mirror) * p_k), 0.0)
 
@@ -64,28 +62,28 @@ def _gravity(fluid):
 
 
 def fluid_force(
-    position, velocity, phase, mass, volume, density, pressure, wall_pressure, neighbour_count, neighbour_index,
-    smoothing, fluid, force,
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, neighbour_count,
+    neighbour_index, smoothing, fluid, force,
 ):
     """Write the force on liquid particles: pressure, viscosity, gravity; 0 for all but solids.
 
     Reads: position (3, n) [m], velocity (3, n) [m/s], phase (n,), mass (n,) [kg], volume (n,)
-        [m^3], density (n,) [kg/m^3], pressure and wall_pressure (n,) [Pa]; all pairs.
+        [m^3], density (n,) [kg/m^3], pressure and boundary_pressure (n,) [Pa]; all pairs.
     Writes: force (3, n) [N]; solids keep theirs.
     """
-    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, wall_pressure, smoothing, fluid)
+    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, boundary_pressure, smoothing, fluid)
     total = F.sum(axis=2) + np.asarray(mass, dtype=np.float64) * _gravity(fluid)
     force[:, phase != 1] = np.where(phase == 0, total, 0.0)[:, phase != 1]
 
 
 def reaction_force(
-    position, velocity, phase, mass, volume, density, pressure, neighbour_count, neighbour_index,
-    smoothing, fluid, force,
+    position, velocity, phase, mass, volume, density, pressure, boundary_pressure, neighbour_count,
+    neighbour_index, smoothing, fluid, force,
 ):
     """Write the force on solid particles: gravity, and minus what they do to liquid (Newton 3).
 
     Reads: as `fluid_force`. Writes: force (3, n) [N] of solids; all others keep theirs.
     """
-    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, pressure, smoothing, fluid)
+    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, boundary_pressure, smoothing, fluid)
     total = -F.sum(axis=1) + np.asarray(mass, dtype=np.float64) * _gravity(fluid)
     force[:, phase == 1] = total[:, phase == 1]

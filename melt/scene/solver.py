@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
-from melt.scene.quantities import NonNegative, Positive, PositiveTime, Section, Share, quantity
+from melt.scene.quantities import NonNegative, Positive, Section, Share, quantity
 
 Width = Annotated[int, Field(ge=0, le=5)]
 
@@ -34,13 +34,10 @@ class Solver(Section):
     """Scale the density so that the rest lattice has the rest density; "auto": if it is off by over 0.5 %."""
     mirror: Share = 1.0
     """Share of the liquid's pressure that solids and walls carry; 0 is the paper's eq (2)."""
-    wall_memory: PositiveTime | Literal["auto"] = "auto"
-    """Time over which walls average the pressure that they carry; "auto": 1.5 sqrt(depth / g)."""
     solid_volume: Literal["rest", "akinci", "shell"] = "rest"
     """Volumes of solid particles in density sums."""
     solid_scale: Positive = 1.0
-    """Factor on the volumes of solids. With the hydrostatic head in the mirrored pressure 1 is right:
-    a fixed cube feels 0.97 of its displaced weight, 0.79 at 0.77 (docs/results.md)."""
+    """Factor on the volumes of solids in density sums; at 1 bodies float at their depth (docs/results.md)."""
     guard: bool = True
     """Push liquid out of solids and walls that it came too close to."""
     guard_distance: Positive = 0.5

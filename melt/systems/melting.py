@@ -33,7 +33,7 @@ def step(do, dt):
         volumes(do)
         do.density()  # line 4, eq (1): rho^n
         do.tait_pressure()  # p^n
-        do.wall_pressure(blend=min(1.0, sub_dt / settings.wall_memory))
+        do.boundary_pressure()  # what solids and walls carry in (2')
         forces(do, sub_dt)  # line 5-7: F(x^n, v^(n-1/2))
         if s == 0 and need.melting and clock.step % settings.melt_every == 0:
             melt_and_relink(do)  # line 9-10: tests T^n

@@ -116,8 +116,8 @@ def particles(x, phase=0, precision="double", **fields):
         site=np.full(n, -1, np.int32),
         motion_bounds=np.zeros((2, 64)),
     )
-    # walls carry the mean pressure; a test that does not say otherwise has had its pressure for long
-    fields.setdefault("wall_pressure", fields.get("pressure", np.zeros(n)))
+    # boundaries carry the pressure around; a test that does not say otherwise has one pressure everywhere
+    fields.setdefault("boundary_pressure", np.array(fields.get("pressure", np.zeros(n)), float))
     for name, value in fields.items():
         value = np.asarray(value)
         like = a.get(name)
