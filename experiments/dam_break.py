@@ -26,7 +26,9 @@ A = 0.05715  # column width of the scene [m]
 def measured(name):
     """Return (T, Z) of an experiment."""
     with open(data_folder() / "measured" / SETS[name]) as file:
-        rows = [[float(v) for v in row] for row in csv.reader(line for line in file if line[0].isdigit() or line[0] == ".")]
+        rows = [
+            [float(v) for v in row] for row in csv.reader(line for line in file if line[0].isdigit() or line[0] == ".")
+        ]
     return np.array(rows).T
 
 
@@ -49,13 +51,20 @@ def run(out, quick=False, say=print):
     say(f"dam break: Z = {Z[-1]:.2f} at T = {T[-1]:.2f}, {len(T)} steps, n_sub {sim.do.notes.get('n_sub')}")
     with h5py.File(out, "w") as file:
         file["T"], file["Z"] = T, Z
-        file.attrs.update(quick=quick, particles=int((sim.read("phase") == 0).sum()), **{
-            k: v for k, v in sim.series().items() if k in ("density_error_mean", "density_error_max", "lost_particles")
-        })
+        file.attrs.update(
+            quick=quick,
+            particles=int((sim.read("phase") == 0).sum()),
+            **{
+                k: v
+                for k, v in sim.series().items()
+                if k in ("density_error_mean", "density_error_max", "lost_particles")
+            },
+        )
 
 
 def fit(T, Z, t, z):
     """Return (mean |relative error| as it is, after the best common shift, that shift)."""
+
     def error(shift):
         return float(np.mean(np.abs(np.interp(t - shift, T, Z) / z - 1)))
 
@@ -71,13 +80,30 @@ def report(path):
     rows = []
     with h5py.File(path) as file:
         T, Z, claimed = file["T"][()], file["Z"][()], not file.attrs["quick"]
-        note = f"{file.attrs['particles']:,} liquid particles, mean density error {file.attrs['density_error_mean']:.2%}"
+        note = (
+            f"{file.attrs['particles']:,} liquid particles, mean density error {file.attrs['density_error_mean']:.2%}"
+        )
     for name in SETS:
         t, z = measured(name)
         raw, shifted, shift = fit(T, Z, t, z)
         judged = claimed and name.startswith("Martin")
-        rows.append(Row(f"V11 front, {name}: mean relative error", "0", f"{raw:.1%}", "<= 12 %" if judged else "",
-                        bool(raw <= 0.12) if judged else None, note))
-        rows.append(Row(f"V11 front, {name}: after one shift", "0", f"{shifted:.1%} at dT = {shift:.2f}",
-                        "<= 5 %, dT <= 0.25" if judged else "", bool(shifted <= 0.05) if judged else None))
+        rows.append(
+            Row(
+                f"V11 front, {name}: mean relative error",
+                "0",
+                f"{raw:.1%}",
+                "<= 12 %" if judged else "",
+                bool(raw <= 0.12) if judged else None,
+                note,
+            )
+        )
+        rows.append(
+            Row(
+                f"V11 front, {name}: after one shift",
+                "0",
+                f"{shifted:.1%} at dT = {shift:.2f}",
+                "<= 5 %, dT <= 0.25" if judged else "",
+                bool(shifted <= 0.05) if judged else None,
+            )
+        )
     return rows
