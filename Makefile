@@ -4,7 +4,7 @@ BIN := $(VENV)/bin
 
 .PHONY: demo install test-install test sim check lint bounds docs validate experiments
 install: ; $(PYTHON) -m venv $(VENV) && $(BIN)/pip install -q .
-demo: install ; $(BIN)/melt run ice_cube_small -o ice_cube_small.vtkhdf --overwrite && $(BIN)/melt render ice_cube_small.vtkhdf -o ice_cube_small.png
+demo: install ; $(BIN)/melt run ice_cube_small -o ice_cube_small.vtkhdf --overwrite && $(BIN)/melt render ice_cube_small.vtkhdf -o ice_cube_small.png --frame 9
 test-install: ; $(PYTHON) -m venv $(VENV) && $(BIN)/pip install -q -e '.[test,toolchain]'
 test: test-install ; NUMBA_NUM_THREADS=$${NUMBA_NUM_THREADS:-2} OMP_WAIT_POLICY=passive $(BIN)/python -m pytest
 sim: ; NUMBA_ENABLE_CUDASIM=1 $(BIN)/python -m pytest tests/harness -k simulat

@@ -98,6 +98,7 @@ def bare_fluid(sim, steps=10):
         do.liquid_volume()
         do.density()
         do.tait_pressure()
+        do.boundary_pressure()
         do.fluid_force()
         do.kick(dt=dt)
         do.drift(dt=dt)

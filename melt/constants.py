@@ -22,6 +22,14 @@ def lattice_offsets(ratio):
     return np.sort(r[(r > 0) & (r < ratio)])
 
 
+def surface_share(ratio):
+    """Return k_A of A = k_A dx^2 (1 - N/N_full) that gives a particle of a flat face the area dx^2 (8/3 at 2.5)."""
+    reach = math.ceil(ratio)
+    x, y, z = np.indices((2 * reach + 1,) * 3) - reach
+    inside = (x**2 + y**2 + z**2 > 0) & (x**2 + y**2 + z**2 < ratio**2)
+    return inside.sum() / (inside & (z > 0)).sum()
+
+
 def lattice_density(scene):
     """Return Sum V W on the rest lattice, itself included (0.9985 for the paper's choice)."""
     from melt.physics.smoothing import W
@@ -92,34 +100,12 @@ def lost_box(scene):
 
 def params_of(scene, particles, sound_speed, real):
     """Return {registry name: tuple or scalar} for every stage of the scene."""
-    s, f, dx = scene.solver, scene.fluid, scene.spacing
+    s, dx = scene.solver, scene.spacing
     lower, upper = lost_box(scene)
     tuples = {
         "smoothing": smoothing_of(scene, real),
         "grid": grid_of(scene, particles, real),
-        "fluid": P.make(
-            P.Fluid,
-            real,
-            sound_speed=sound_speed,
-            viscosity=P.LAMINAR if f.viscosity == "laminar" else P.ARTIFICIAL,
-            alpha=f.alpha,
-            mu=f.mu,
-            solid_friction=f.alpha if f.solid_friction is None else f.solid_friction,
-            wall_friction=f.alpha if f.wall_friction is None else f.wall_friction,
-            mirror=s.mirror,
-            clamp=int(f.clamp),
-            density_factor=density_factor(scene),
-            minimum_volume=dx**3,
-            number_density=int(s.density_form == "number"),
-            gravity_x=scene.domain.gravity[0],
-            gravity_y=scene.domain.gravity[1],
-            gravity_z=scene.domain.gravity[2],
-            expansion=f.expansion,
-            drag=f.drag,
-            xsph=f.xsph,
-            surface_tension=f.surface_tension,
-            reference_temperature=f.temperature if f.reference_temperature is None else f.reference_temperature,
-        ),
+        "fluid": fluid_of(scene, sound_speed, real),
         "guard": P.make(P.Guard, real, distance=s.guard_distance * dx),
         "contact": P.make(
             P.Contact,
@@ -154,6 +140,34 @@ def params_of(scene, particles, sound_speed, real):
                     "lower it, or set solver.precision = 'double'"
                 )
     return tuples
+
+
+def fluid_of(scene, sound_speed, real):
+    """Return the `Fluid` tuple of a scene."""
+    s, f, dx = scene.solver, scene.fluid, scene.spacing
+    return P.make(
+        P.Fluid,
+        real,
+        sound_speed=sound_speed,
+        viscosity=P.LAMINAR if f.viscosity == "laminar" else P.ARTIFICIAL,
+        alpha=f.alpha,
+        mu=f.mu,
+        solid_friction=f.alpha if f.solid_friction is None else f.solid_friction,
+        wall_friction=f.alpha if f.wall_friction is None else f.wall_friction,
+        mirror=s.mirror,
+        clamp=int(f.clamp),
+        density_factor=density_factor(scene),
+        minimum_volume=dx**3,
+        number_density=int(s.density_form == "number"),
+        gravity_x=scene.domain.gravity[0],
+        gravity_y=scene.domain.gravity[1],
+        gravity_z=scene.domain.gravity[2],
+        expansion=f.expansion,
+        drag=f.drag,
+        xsph=f.xsph,
+        surface_tension=f.surface_tension,
+        reference_temperature=f.temperature if f.reference_temperature is None else f.reference_temperature,
+    )
 
 
 def lattice_of(scene, real):
@@ -193,7 +207,7 @@ def heat_of(scene, real):
         ambient_temperature=0.0 if h.ambient_temperature is None else h.ambient_temperature,
         full_neighbours=float(lattice_offsets(scene.solver.support).size),
         spacing=scene.spacing,
-        ambient_area=8 / 3,
+        ambient_area=surface_share(scene.solver.support),
         wall_fixed=int(h.wall_temperature is not None),
     )
 

@@ -12,6 +12,7 @@ SERIES = {
     "latent_energy": ("J", "latent heat stored (paper mode: K m^3)"),
     "mass": ("kg", "of liquids and solids"),
     "mass_created": ("kg", "mass made (or lost, < 0) by melting into the ambient liquid since the start"),
+    "mass_deleted": ("kg", "of particles that left the domain and were made inactive"),
     "momentum_x": ("kg m/s", "of liquids and solids"),
     "momentum_y": ("kg m/s", ""),
     "momentum_z": ("kg m/s", ""),
@@ -62,7 +63,9 @@ def series(do, start):
         "lost_particles": int(do.clock.active - (phase != INACTIVE).sum()) + outside(x, do.params["domain"]),
         "coincident_particles": coincident(wide["position"], mobile, phase != INACTIVE),
     }
-    values["mass_created"] = values["mass"] - start["mass"] - start["mass_entered"](do.clock)
+    values["mass_deleted"] = float(wide["mass"][phase == INACTIVE].sum())  # slots not yet used have none
+    balance = values["mass"] + values["mass_deleted"]
+    values["mass_created"] = balance - start["mass"] - start["mass_entered"](do.clock)
     if "density" in wide and do.clock.step > 0 and liquid.any():
         values.update(_compression(wide, liquid))
     if "neighbour_count" in f and liquid.any():
@@ -79,7 +82,7 @@ def series(do, start):
 
 _WANTED = (
     "phase position velocity mass volume density neighbour_count offenders "
-    "temperature heat_capacity latent_energy"
+    "temperature heat_capacity heat_capacity_molten latent_point latent_capacity latent_energy"
 ).split()
 
 
@@ -117,12 +120,23 @@ def _compression(wide, liquid):
 
 
 def _thermal(wide, mobile):
+    """Temperatures and energies; particles of fixed temperature (C = inf) have no share in the energy."""
     T, C = wide["temperature"][mobile], wide["heat_capacity"][mobile]
     if not T.size:
         return {}
     values = {"temperature_min": float(T.min()), "temperature_max": float(T.max())}
+    free = np.isfinite(C)
+    T, C = T[free], C[free]
     if C.any():
-        values["thermal_energy"] = float((C * T).sum())
+        sensible = C * T
+        if "latent_point" in wide:  # C below the melting point, C_molten above it
+            point, molten, room = (
+                wide[n][mobile][free] for n in ("latent_point", "heat_capacity_molten", "latent_capacity")
+            )
+            above = (room > 0) & (T > point)
+            sensible = np.where(above, C * np.where(above, point, 0) + molten * np.where(above, T - point, 0), sensible)
+            C = np.where(above, molten, C)
+        values["thermal_energy"] = float(sensible.sum())
         values["temperature_mean"] = float((C * T).sum() / C.sum())
     if "latent_energy" in wide:
         values["latent_energy"] = float(wide["latent_energy"][mobile].sum())

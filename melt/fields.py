@@ -59,7 +59,7 @@ _TABLE = [
     _f("pressure", "particle", "real", "Pa", "pressure", "Tait pressure, 0 for others than liquid"),
     _f("boundary_pressure", "particle", "real", "Pa", "pressure", "pressure of the liquid around a liquid particle, which solids and walls near it carry"),
     _f("offenders", "particle", "int", "1", "", "pairs of the particle that are closer than the guard distance"),
-    _f("surface", "particle", "int", "1", "", "1 on the free surface of a liquid"),
+    _f("surface", "particle", "int", "1", "", "1 on the free surface of a liquid or solid"),
     _f("temperature", "particle", "real", "degC", "temperature", "temperature"),
     _f("temperature_next", "particle", "real", "degC", "temperature", "temperature after the pass (double buffer)"),
     _f("conductivity", "particle", "real", "W/(m K)", "conductivity", "k of a particle; K in m^2/s in paper mode"),

@@ -147,7 +147,9 @@ def prepare(scene, initial, precision=None):
     precision = precision or scene.solver.precision
     position = initial["position"]
     liquid = initial["phase"] == LIQUID
-    depth = float(np.ptp(position[2, liquid])) + scene.spacing if liquid.any() else 0.0
+    gravity = np.array(scene.domain.gravity)
+    down = gravity / max(np.linalg.norm(gravity), 1e-300)
+    depth = float(np.ptp(down @ position[:, liquid])) + scene.spacing if liquid.any() else 0.0
     fall = max((nozzle.position[2] - scene.domain.lower[2] for nozzle in scene.inflow), default=0.0)
     sound_speed, warning = sound_speed_of(scene, depth, fall)
     params = params_of(scene, initial["id"].size, sound_speed, REAL[precision])

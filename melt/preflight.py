@@ -13,7 +13,7 @@ from melt.plan import prepare
 from melt.stages import STAGES
 from melt.systems.melting import step_limits
 
-#: Wall time per particle and sub-step on the development machine [s] (docs/results.md), single and double.
+#: Rough wall time per particle and sub-step on two cores [s]: a forecast, within a factor of two.
 SECONDS_PER_PARTICLE = {"single": 0.25e-6, "mixed": 0.35e-6, "double": 0.45e-6}
 
 
@@ -240,4 +240,4 @@ def _forecast(p):
         for f in ("id", "position", "velocity", "pressure")
     )
     files = (scene.time.steps // scene.time.output_steps + 1) * n * frame
-    yield f"forecast on 2 cores: {seconds:,.0f} s for {scene.time.steps:,} steps, {files / 1e6:,.0f} MB of output at most"
+    yield f"rough forecast on 2 cores: {seconds:,.0f} s for {scene.time.steps:,} steps, {files / 1e6:,.0f} MB of output at most"

@@ -86,7 +86,7 @@ class Simulation:
     def _mass_entered(self, clock):
         mass = self.initial["inflow_mass"] if self.initial.nozzles else None
         return sum(
-            clock.layers[n.name] * float(mass[n.first : n.first + n.count].sum()) for n in self.initial.nozzles
+            clock.entered.get(n.name, 0) * float(mass[n.first : n.first + n.count].sum()) for n in self.initial.nozzles
         )
 
     @property
@@ -109,7 +109,9 @@ class Simulation:
             do.notes.clear()
         self.prepared.page(do, dt or self.scene.time.dt)
         # exact multiples of dt: no drift of the output times by rounding
-        clock.time = before + dt if dt else clock.step * self.scene.time.dt
+        if dt:
+            clock.origin_time, clock.origin_step = before + dt, clock.step
+        clock.time = clock.origin_time + (clock.step - clock.origin_step) * self.scene.time.dt
         if not np.isfinite([clock.max_speed, clock.max_acceleration]).all():
             raise MeltError(not_finite(self))
         if not self.backend.on_device or clock.step % CHECK_EVERY == 0:
@@ -157,8 +159,9 @@ class Simulation:
         """Return (arrays, meta) from which `restore` continues bit-identically."""
         arrays = {n: self.state.read(n) for n in plan.carried(self.prepared)}
         scene, precision = self._fingerprint, self.prepared.precision
+        notes = {k: v.item() if isinstance(v, np.generic) else v for k, v in self.do.notes.items()}
         meta = {"clock": vars(self.do.clock), "precision": precision, "scene": scene}
-        return arrays, meta
+        return arrays, meta | {"notes": notes, "notes_from": self._notes_from}
 
     def restore(self, arrays, meta):
         """Continue from `checkpoint`; `MeltError` if it is of another scene."""
@@ -168,6 +171,7 @@ class Simulation:
             self.state.set(name, values)
         vars(self.do.clock).update(meta["clock"])
         self.restart_timers()
+        self.do.notes, self._notes_from = dict(meta["notes"]), meta["notes_from"]
 
 
 _OUTPUT = {

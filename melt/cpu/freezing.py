@@ -110,7 +110,7 @@ def freeze_claim(
 def freeze_particles(
     freeze_site, freeze_shift, claim, material_freezes_to, material_density, change, position, phase,
     material, site,
-    mass, rest_volume,
+    mass, rest_volume, density,
 ):
     """See `melt.reference.freezing.freeze_particles`."""
     for i in prange(phase.shape[0]):
@@ -118,6 +118,7 @@ def freeze_particles(
         if s >= 0 and claim[s] == i:
             row = material_freezes_to[material[i]]
             phase[i], site[i], material[i] = SOLID, s, row
+            density[i] = material_density[row]
             for a in range(3):
                 position[a, i] += freeze_shift[a, i]
             if change.own_liquid:

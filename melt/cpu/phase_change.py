@@ -31,7 +31,7 @@ def melt_test(
 
 @cpu_stage
 def melt_particles(
-    site, site_melting, material_melts_to, material_density, change, phase, material, mass, rest_volume,
+    site, site_melting, material_melts_to, material_density, change, phase, material, mass, rest_volume, density,
 ):
     """See `melt.reference.phase_change.melt_particles`."""
     for i in prange(phase.shape[0]):
@@ -41,6 +41,7 @@ def melt_particles(
         row = material_melts_to[material[i]]
         phase[i] = LIQUID
         material[i] = row
+        density[i] = material_density[row]
         if change.own_liquid:
             rest_volume[i] = mass[i] / material_density[row]
         else:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from melt._compile import cpu_stage, prange
-from melt.physics.phases import LIQUID
+from melt.physics.phases import LIQUID, SOLID
 from melt.physics.smoothing import dW_over_r
 from melt.physics.surface import on_surface
 
@@ -14,7 +14,7 @@ def surface(position, phase, volume, neighbour_count, neighbour_index, smoothing
     real = type(smoothing.support)
     wide = position.dtype.type
     for i in prange(phase.shape[0]):
-        if phase[i] != LIQUID:
+        if phase[i] != LIQUID and phase[i] != SOLID:
             surface[i] = 0
             continue
         x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]

@@ -144,7 +144,7 @@ def freeze_claim(
 def _freeze_particles(
     freeze_site, freeze_shift, claim, material_freezes_to, material_density, change, position, phase,
     material, site,
-    mass, rest_volume,
+    mass, rest_volume, density,
 ):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
@@ -155,6 +155,7 @@ def _freeze_particles(
         phase[i] = SOLID
         site[i] = s
         material[i] = row
+        density[i] = material_density[row]
         for a in range(3):
             position[a, i] += freeze_shift[a, i]
         if change.own_liquid:
@@ -168,13 +169,13 @@ def _freeze_particles(
 def freeze_particles(
     freeze_site, freeze_shift, claim, material_freezes_to, material_density, change, position, phase,
     material, site,
-    mass, rest_volume,
+    mass, rest_volume, density,
 ):
     """See `melt.reference.freezing.freeze_particles`."""
     _freeze_particles.launch(
         phase.shape[0], freeze_site, freeze_shift, claim, material_freezes_to, material_density, change,
         position,
-        phase, material, site, mass, rest_volume,
+        phase, material, site, mass, rest_volume, density,
     )
 
 

@@ -36,7 +36,7 @@ def melt_test(
 
 @cuda_kernel
 def _melt_particles(
-    site, site_melting, material_melts_to, material_density, change, phase, material, mass, rest_volume,
+    site, site_melting, material_melts_to, material_density, change, phase, material, mass, rest_volume, density,
 ):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
@@ -47,6 +47,7 @@ def _melt_particles(
     row = material_melts_to[material[i]]
     phase[i] = LIQUID
     material[i] = row
+    density[i] = material_density[row]
     if change.own_liquid:
         rest_volume[i] = mass[i] / material_density[row]
     else:
@@ -54,11 +55,10 @@ def _melt_particles(
 
 
 def melt_particles(
-    site, site_melting, material_melts_to, material_density, change, phase, material, mass, rest_volume,
+    site, site_melting, material_melts_to, material_density, change, phase, material, mass, rest_volume, density,
 ):
     """See `melt.reference.phase_change.melt_particles`."""
     _melt_particles.launch(
         phase.shape[0], site, site_melting, material_melts_to, material_density, change, phase, material,
-        mass,
-        rest_volume,
+        mass, rest_volume, density,
     )

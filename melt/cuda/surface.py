@@ -1,7 +1,7 @@
 """CUDA twin of `melt.reference.surface`."""
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.phases import LIQUID
+from melt.physics.phases import LIQUID, SOLID
 from melt.physics.smoothing import dW_over_r
 from melt.physics.surface import on_surface
 
@@ -13,7 +13,7 @@ def _surface(position, phase, volume, neighbour_count, neighbour_index, smoothin
         return
     real = type(smoothing.support)
     wide = position.dtype.type
-    if phase[i] != LIQUID:
+    if phase[i] != LIQUID and phase[i] != SOLID:
         surface[i] = 0
         return
     x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]

@@ -89,7 +89,7 @@ def freeze_claim(
 def freeze_particles(
     freeze_site, freeze_shift, claim, material_freezes_to, material_density, change, position, phase,
     material, site,
-    mass, rest_volume,
+    mass, rest_volume, density,
 ):
     """Make solid of the particles that won a site; a liquid particle that had it before forgets it.
 
@@ -99,7 +99,8 @@ def freeze_particles(
     Own liquid: mass stays, V0 = m / rho_solid. Ambient liquid: V0 stays, m = rho_solid V0.
 
     Reads: freeze_site (n,), freeze_shift (3, n) [m], claim (s,), material_freezes_to, material_density.
-    Writes: position (3, n) [m], phase, material, site (n,), mass (n,) [kg], rest_volume (n,) [m^3].
+    Writes: position (3, n) [m], phase, material, site (n,), mass (n,) [kg], rest_volume (n,) [m^3],
+        density (n,) [kg/m^3] (at rest).
     """
     for i in range(len(phase)):
         s = freeze_site[i]
@@ -107,6 +108,7 @@ def freeze_particles(
             phase[i], site[i] = 1, s
             position[:, i] += freeze_shift[:, i]
             material[i] = material_freezes_to[material[i]]
+            density[i] = material_density[material[i]]
             if change.own_liquid:
                 rest_volume[i] = mass[i] / material_density[material[i]]
             else:

@@ -29,7 +29,7 @@ def melt_test(
 
 
 def melt_particles(
-    site, site_melting, material_melts_to, material_density, change, phase, material, mass, rest_volume,
+    site, site_melting, material_melts_to, material_density, change, phase, material, mass, rest_volume, density,
 ):
     """Make liquid of the particles whose site melts; position, velocity, temperature, site stay.
 
@@ -37,14 +37,15 @@ def melt_particles(
     m = rho_liquid V0, so mass is not conserved.
 
     Reads: site (n,), site_melting (s,), material_melts_to and material_density [kg/m^3].
-    Writes: phase, material (n,), mass (n,) [kg], rest_volume (n,) [m^3] of the melting particles.
+    Writes: phase, material (n,), mass (n,) [kg], rest_volume (n,) [m^3] and density (n,)
+        [kg/m^3] (at rest, until the next density pass) of the melting particles.
     """
     for i in np.flatnonzero((phase == 1) & (site >= 0)):
         if not site_melting[site[i]]:
             continue
         phase[i] = 0
         material[i] = material_melts_to[material[i]]
-        rho = material_density[material[i]]
+        rho = density[i] = material_density[material[i]]
         if change.own_liquid:
             rest_volume[i] = mass[i] / rho
         else:

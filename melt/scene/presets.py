@@ -8,7 +8,7 @@ PRESETS = {
     # Contact of solids (absent in the paper) stays on: its Figures 5 and 6 need it.
     "paper": {
         "time": {"n_sub": 1},
-        "fluid": {"sound_speed": "legal"},
+        "fluid": {"sound_speed": "legal", "wall_friction": 0.0},
         "heat": {
             "law": "paper", "solver": "pairs_coloured", "sweep_dt": "full", "volume": "current",
             "latent": False, "refreeze": False,

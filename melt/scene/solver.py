@@ -79,6 +79,8 @@ class Solver(Section):
 
     @model_validator(mode="after")
     def _fits(self):
+        if self.baseline == "rigid" and self.integration == "kdk":
+            raise ValueError("baseline = rigid makes the forces of a sub-step rigid once: use integration = symplectic")
         if self.baseline == "rigid" and self.width == 0:
             raise ValueError("width = 0 has no regions to be rigid: set width to 1 or more")
         return self

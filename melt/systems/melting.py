@@ -24,7 +24,7 @@ def start(do):
 
 def step(do, dt):
     """Advance the state by one outer step of ``dt`` seconds."""
-    need, settings, clock = do.need, do.settings, do.clock
+    need, clock = do.need, do.clock
     n_sub, sub_dt = sub_steps(do, dt)
     if need.inflow:
         emit(do, dt)
@@ -35,10 +35,8 @@ def step(do, dt):
         do.tait_pressure()  # p^n
         do.boundary_pressure()  # what solids and walls carry in (2')
         forces(do, sub_dt)  # line 5-7: F(x^n, v^(n-1/2))
-        if s == 0 and need.melting and clock.step % settings.melt_every == 0:
-            melt_and_relink(do)  # line 9-10: tests T^n
-            if need.freezing:
-                freeze(do)
+        if s == 0:
+            change_phase(do)  # line 9-10: tests T^n
         if s == n_sub - 1 and need.heat:
             heat(do, dt)  # line 13, eq (4): T^n -> T^(n+1)
         if need.solids:
@@ -55,12 +53,20 @@ def still_step(do, dt):
         search(do)
         volumes(do)
         do.listed = True
-    if do.need.melting:
+    change_phase(do)
+    if do.params["heat"].current_volume:  # V = m/rho needs the density of what melted
+        volumes(do)
+        do.density()
+    heat(do, dt)
+    do.clock.step += 1
+
+
+def change_phase(do):
+    """Melt and freeze, at the scene's cadence."""
+    if do.need.melting and do.clock.step % do.settings.melt_every == 0:
         melt_and_relink(do)
         if do.need.freezing:
             freeze(do)
-    heat(do, dt)
-    do.clock.step += 1
 
 
 def search(do):
@@ -145,6 +151,8 @@ def move(do, sub_dt):
         do.xsph()
         do.swap("velocity", "velocity_next")
     do.drift(dt=sub_dt)
+    if do.need.xsph:  # positions move with the blend, velocities stay as they are
+        do.swap("velocity", "velocity_next")
     if do.need.guard:
         do.guard_offenders()
         do.guard_correction()
@@ -170,10 +178,11 @@ def emit(do, dt):
                 clock.layers[nozzle.name] = nozzle.layers
                 break
             where = dict(first=nozzle.first, count=nozzle.count, slot=clock.active)
-            do.emit_motion(lag=max(0.0, clock.time - enters), **where)
+            do.emit_motion(lag=clock.time - enters, **where)
             do.emit_matter(**where)
             clock.active += nozzle.count
             clock.layers[nozzle.name] = k + 1
+            clock.entered[nozzle.name] = clock.entered.get(nozzle.name, 0) + 1
 
 
 def step_limits(do):
@@ -213,7 +222,8 @@ def sub_steps(do, dt):
             "lower time.dt, raise time.n_sub_max, or lower fluid.sound_speed"
         )
     do.note("n_sub", n_sub)
-    do.note("governing_bound", governing)
+    do.note("governing_bound", "given" if s.n_sub else governing)
+    do.note("step_over_limit", dt / n_sub / limits[governing])  # above 1 a given n_sub is too small
     return n_sub, dt / n_sub
 
 

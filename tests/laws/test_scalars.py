@@ -3,6 +3,7 @@
 import importlib
 import inspect
 
+import numba
 import numpy as np
 import pytest
 from _source import modules
@@ -96,15 +97,16 @@ def scalars():
 SCALARS = dict(scalars())
 
 
-def inferred(dispatcher):
-    """Return the types that numba inferred for the result of the last compilation."""
+def inferred(dispatcher, arguments):
+    """Return the types that numba inferred for the result of a call with these arguments."""
 
     def leaves(kind):
         if hasattr(kind, "types"):  # a tuple of different types
             return [leaf for part in kind.types for leaf in leaves(part)]
         return leaves(kind.dtype) * kind.count if hasattr(kind, "count") else [str(kind)]
 
-    return leaves(dispatcher.nopython_signatures[-1].return_type)
+    kinds = tuple(numba.typeof(a) for a in arguments)
+    return leaves(dispatcher.overloads[kinds].signature.return_type)
 
 
 def test_there_are_scalars():
@@ -125,7 +127,8 @@ def test_scalar_keeps_the_precision_of_its_arguments(name, real):
             f"does not compile: {type(error).__name__}: {str(error).splitlines()[0]}"
         )
     other = "float64" if real is np.float32 else "float32"
-    assert other not in inferred(dispatcher), f"{name} returns {inferred(dispatcher)}"
+    kinds = inferred(dispatcher, arguments)
+    assert other not in kinds, f"{name} returns {kinds}"
 
 
 def test_the_law_catches_a_wide_literal():
@@ -136,7 +139,7 @@ def test_the_law_catches_a_wide_literal():
         return 0.5 * r
 
     wide(np.float32(0.2))
-    assert inferred(wide) == ["float64"]
+    assert inferred(wide, [np.float32(0.2)]) == ["float64"]
 
 
 def test_scales_cover_every_field():

@@ -81,6 +81,7 @@ class Drive:
             position=(cell + 0.5) * DX,
             mass=np.full(n, 7.2),
             rest_volume=np.full(n, DX**3),
+            density=np.full(n, 917.0),
             temperature=np.full(n, -10.0),
             site_particle=site,
             site_cell=cell,

@@ -48,6 +48,7 @@ def world(backend, solid, vacant, water, precision="double", body=None, **params
         velocity=np.zeros((3, n + w)),
         mass=np.repeat([7.2, 8.0], [n, w]),
         rest_volume=np.full(n + w, DX**3),
+        density=np.full(n + w, 1000.0),
         temperature=np.repeat([-10.0, -0.5], [n, w]),
         site_particle=sites,
         site_cell=cell,
