@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
+from melt import _compile
 from melt.check.compare import compare_outputs, run_stage
 from melt.check.inputs import choices, make
 from melt.stages import STAGES
@@ -217,7 +218,10 @@ def main(stages=None, backends=BACKENDS, precisions=PRECISIONS, n=1003, seed=0, 
                 progress.update(task, description=f"{stage} ({precision})")
                 rows += check_stage(stage, precision, direct, n, seed)
                 progress.advance(task)
-    if "cuda-simulated" in backends:
+    missing = _compile.CUDA_MISSING
+    if "cuda-simulated" in backends and missing:
+        console.print(f"skipped: cuda-simulated needs numba-cuda, and {missing}", markup=False)
+    elif "cuda-simulated" in backends:
         console.print("simulating CUDA in a process of its own ...")
         rows += simulate(stages, precisions, seed)
     order = {stage: k for k, stage in enumerate(stages)}
