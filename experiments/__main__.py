@@ -24,8 +24,10 @@ def main():
         print(f"== {name}", flush=True)
         load(name).run(folder / f"{name}.h5", quick=given.quick)
         print(f"== {name}: {time.perf_counter() - began:.0f} s", flush=True)
-    sections = [(load(n), load(n).report(folder / f"{n}.h5")) for n in names() if (folder / f"{n}.h5").exists()]
-    text = markdown(sections, provenance_line())
+    there = [n for n in names() if (folder / f"{n}.h5").exists()]
+    sections = [(load(n), load(n).report(folder / f"{n}.h5")) for n in there]
+    not_run = [n for n in names() if n not in there]
+    text = markdown(sections, provenance_line(), not_run)
     target = folder / "results.md" if given.quick else pathlib.Path("docs/results.md")
     target.write_text(text)
     print(f"wrote {target}")

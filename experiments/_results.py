@@ -10,7 +10,7 @@ def provenance_line():
     return ", ".join(f"{k} {facts[k]}" for k in keep if facts.get(k))
 
 
-def markdown(sections, made_with):
+def markdown(sections, made_with, not_run=()):
     """Return the page: one table per experiment, misses marked."""
     lines = [
         "# Results",
@@ -27,6 +27,8 @@ def markdown(sections, made_with):
         f"{total - len(misses)} of {total} bounds hold." + (" Misses: " + "; ".join(misses) + "." if misses else ""),
         "",
     ]
+    if not_run:
+        lines += ["Not run for this page: " + ", ".join(not_run) + ".", ""]
     for module, rows in sections:
         first, _, rest = (module.__doc__ or "").strip().partition("\n")
         lines += [f"## {first.rstrip('.')}", "", rest.strip(), ""] if rest.strip() else [f"## {first.rstrip('.')}", ""]
