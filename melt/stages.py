@@ -63,6 +63,7 @@ def _stage(name, file, equation, reads, params, writes, tolerance, partial=False
 _NEAR = "neighbour_count neighbour_index"
 _LATENT = "heat_capacity_molten latent_point latent_capacity"
 _THERMAL = f"conductivity heat_volume heat_capacity {_LATENT}"
+_ENTHALPY = f"heat_capacity {_LATENT} heat_conductance"
 _LIST = [
     # ---- inflow: new particles into the inactive slots that follow the sorted active ones
     _stage("emit_motion", "inflow", "melting 1 stage 0", "inflow_position inflow_velocity phase position velocity",
@@ -165,18 +166,18 @@ _LIST = [
     _stage("ambient_cooling", "heat_source", "melting 2.5",
            f"surface neighbour_count heat_volume heat_capacity {_LATENT} temperature latent_energy", "heat dt",
            "temperature latent_energy", _FEW),
+    _stage("heat_conductance", "heat_balance", "melting 2.5", f"position conductivity heat_volume {_NEAR}", "smoothing heat",
+           "heat_conductance", _SUM, partial=True),
     _stage("heat_pairs_seq", "heat_pairs", "melting (4)",
-           f"position phase {_THERMAL} {_NEAR} temperature latent_energy", "smoothing heat dt", "temperature latent_energy", _SWEEP),
+           f"phase {_ENTHALPY} {_NEAR} temperature latent_energy", "heat dt", "temperature latent_energy", _SWEEP),
     _stage("heat_pairs_coloured", "heat_coloured", "melting (4)",
            f"position {_THERMAL} cell_start temperature latent_energy", "smoothing grid heat dt", "temperature latent_energy", _SWEEP),
     _stage("heat_onesided", "heat_explicit", "melting (4)",
-           f"position temperature {_THERMAL} {_NEAR} latent_energy", "smoothing heat dt reverse", "temperature_next latent_energy", _SWEEP),
+           f"temperature {_ENTHALPY} {_NEAR} latent_energy", "heat dt reverse", "temperature_next latent_energy", _SWEEP),
     _stage("heat_explicit", "heat_explicit", "melting 2.5",
-           f"position temperature {_THERMAL} {_NEAR} latent_energy", "smoothing heat dt", "temperature_next latent_energy", _SUM),
+           f"temperature {_ENTHALPY} {_NEAR} latent_energy", "heat dt", "temperature_next latent_energy", _SUM),
     _stage("heat_rate", "heat_explicit", "melting 2.5",
-           f"position conductivity heat_volume heat_capacity {_NEAR}", "smoothing heat", "heat_rate", _SUM),
-    _stage("heat_conductance", "heat_balance", "melting 2.5", f"position conductivity heat_volume {_NEAR}", "smoothing heat",
-           "heat_conductance", _SUM, partial=True),
+           "heat_capacity heat_capacity_molten latent_capacity heat_conductance neighbour_count", "heat", "heat_rate", _SUM),
     _stage("cg_guess", "heat_cg", "melting 2.5", "temperature", "", "temperature_next heat_flux", _COPY),
     _stage("cg_state", "heat_cg", "melting 3.5",
            f"heat_capacity {_LATENT} temperature latent_energy heat_flux temperature_next", "heat",

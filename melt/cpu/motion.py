@@ -69,7 +69,8 @@ def motion_bounds(phase, mass, velocity, force, motion_bounds):
         for i in range(p * n // pieces, (p + 1) * n // pieces):
             if phase[i] <= SOLID:
                 u, v, w = velocity[0, i], velocity[1, i], velocity[2, i]
-                a, b, c = force[0, i] / mass[i], force[1, i] / mass[i], force[2, i] / mass[i]
+                per_mass = real(1) / mass[i]
+                a, b, c = per_mass * force[0, i], per_mass * force[1, i], per_mass * force[2, i]
                 s2, a2 = u * u + v * v + w * w, a * a + b * b + c * c
                 # a NaN would lose every comparison that follows; infinity wins them
                 speed2 = max(speed2, s2 if s2 == s2 else real(np.inf))

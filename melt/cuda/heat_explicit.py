@@ -3,42 +3,33 @@
 import math
 
 from melt._compile import cuda, cuda_kernel, device_empty
-from melt.physics.heat import absorb, pair_factor, pair_latent, pair_weight
+from melt.physics.heat import absorb, own_share, pair_latent
 
 
 @cuda_kernel
 def _heat_onesided(
-    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
-    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt, reverse,
-    temperature_next, latent_energy,
+    temperature, heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_conductance,
+    neighbour_count, neighbour_index, heat, dt, reverse, temperature_next, latent_energy,
 ):
     i = cuda.grid(1)
     if i >= temperature.shape[0]:
         return
-    real = type(smoothing.support)
-    inf, zero, one = real(math.inf), real(0), real(1)
-    T, count = temperature[i], neighbour_count[i]
+    real = type(dt)
+    inf, zero = real(math.inf), real(0)
+    T, count, C = temperature[i], neighbour_count[i], heat_capacity[i]
     e = latent_energy[i] if heat.latent != 0 else zero
     for entry in range(count):
-        j = neighbour_index[i, count - 1 - entry if reverse > zero else entry]
-        x = real(position[0, i] - position[0, j])
-        y = real(position[1, i] - position[1, j])
-        z = real(position[2, i] - position[2, j])
-        r = math.sqrt(x * x + y * y + z * z)
-        w = pair_weight(r, heat_volume[i], heat_volume[j], dt, smoothing)
+        slot = count - 1 - entry if reverse > zero else entry
+        j = neighbour_index[i, slot]
+        g = dt * heat_conductance[i, slot]
         T_j, C_j = temperature[j], heat_capacity[j]
-        if w == zero:
-            continue
         if heat.latent == 0:
-            flow = one / heat_capacity[i]
-            f = pair_factor(w, conductivity[i], conductivity[j], flow + one / C_j, heat)
-            T += f * (T_j - T) * flow
+            T += own_share(g, C, C_j) * (T_j - T) if C < inf else zero
             continue
         if latent_capacity[j] > zero and T_j == latent_point[j]:
             C_j = inf  # on its plateau
         elif latent_capacity[j] > zero and T_j > latent_point[j] and C_j < inf:
             C_j = heat_capacity_molten[j]
-        g = pair_factor(w, conductivity[i], conductivity[j], zero, heat)
         T, e, _, _ = pair_latent(
             g, T, e, latent_point[i], heat_capacity[i], heat_capacity_molten[i], latent_capacity[i],
             T_j, zero, inf, C_j, C_j, zero,
@@ -49,40 +40,29 @@ def _heat_onesided(
 
 
 def heat_onesided(
-    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
-    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt, reverse,
-    temperature_next, latent_energy,
+    temperature, heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_conductance,
+    neighbour_count, neighbour_index, heat, dt, reverse, temperature_next, latent_energy,
 ):
     """See `melt.reference.heat_explicit.heat_onesided`."""
     _heat_onesided.launch(
-        temperature.shape[0], position, temperature, conductivity, heat_volume, heat_capacity,
-        heat_capacity_molten, latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing,
-        heat, dt, reverse, temperature_next, latent_energy,
+        temperature.shape[0], temperature, heat_capacity, heat_capacity_molten, latent_point, latent_capacity,
+        heat_conductance, neighbour_count, neighbour_index, heat, dt, reverse, temperature_next, latent_energy,
     )
 
 
 @cuda_kernel
 def _heat_explicit(
-    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
-    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt,
-    temperature_next, latent_energy,
+    temperature, heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_conductance,
+    neighbour_count, neighbour_index, heat, dt, temperature_next, latent_energy,
 ):
     i = cuda.grid(1)
     if i >= temperature.shape[0]:
         return
-    real = type(smoothing.support)
-    T = temperature[i]
-    V, K = heat_volume[i], conductivity[i]
-    x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
-    q = real(0)
+    real = type(dt)
+    T, q = temperature[i], real(0)
     for entry in range(neighbour_count[i]):
-        j = neighbour_index[i, entry]
-        x = real(x_i - position[0, j])
-        y = real(y_i - position[1, j])
-        z = real(z_i - position[2, j])
-        r = math.sqrt(x * x + y * y + z * z)
-        w = pair_weight(r, V, heat_volume[j], dt, smoothing)
-        q += pair_factor(w, K, conductivity[j], real(0), heat) * (temperature[j] - T)
+        q += heat_conductance[i, entry] * (temperature[neighbour_index[i, entry]] - T)
+    q *= dt
     if heat.latent == 0:
         temperature_next[i] = T if q == real(0) else T + q / heat_capacity[i]
         return
@@ -94,39 +74,31 @@ def _heat_explicit(
 
 
 def heat_explicit(
-    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
-    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt,
-    temperature_next, latent_energy,
+    temperature, heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_conductance,
+    neighbour_count, neighbour_index, heat, dt, temperature_next, latent_energy,
 ):
     """See `melt.reference.heat_explicit.heat_explicit`."""
     _heat_explicit.launch(
-        temperature.shape[0], position, temperature, conductivity, heat_volume, heat_capacity,
-        heat_capacity_molten, latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing,
-        heat, dt, temperature_next, latent_energy,
+        temperature.shape[0], temperature, heat_capacity, heat_capacity_molten, latent_point, latent_capacity,
+        heat_conductance, neighbour_count, neighbour_index, heat, dt, temperature_next, latent_energy,
     )
 
 
 @cuda_kernel
 def _particle_rate(
-    position, conductivity, heat_volume, heat_capacity, neighbour_count, neighbour_index,
-    smoothing, heat, rate,
+    heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance, neighbour_count, heat, rate,
 ):
     i = cuda.grid(1)
-    if i >= heat_volume.shape[0]:
+    if i >= heat_capacity.shape[0]:
         return
-    real = type(smoothing.support)
-    V, K = heat_volume[i], conductivity[i]
-    x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+    real = rate.dtype.type
     total = real(0)
     for entry in range(neighbour_count[i]):
-        j = neighbour_index[i, entry]
-        x = real(x_i - position[0, j])
-        y = real(y_i - position[1, j])
-        z = real(z_i - position[2, j])
-        r = math.sqrt(x * x + y * y + z * z)
-        w = pair_weight(r, V, heat_volume[j], real(1), smoothing)
-        total += pair_factor(w, K, conductivity[j], real(0), heat)
-    rate[i] = total / heat_capacity[i] if total > real(0) else real(0)
+        total += heat_conductance[i, entry]
+    C = heat_capacity[i]
+    if heat.latent != 0 and latent_capacity[i] > real(0):
+        C = min(C, heat_capacity_molten[i])
+    rate[i] = total / C if total > real(0) else real(0)
 
 
 @cuda_kernel
@@ -141,14 +113,11 @@ def _largest(rate, heat_rate):
     heat_rate[share] = largest
 
 
-def heat_rate(
-    position, conductivity, heat_volume, heat_capacity, neighbour_count, neighbour_index,
-    smoothing, heat, heat_rate,
-):
+def heat_rate(heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance, neighbour_count, heat, heat_rate):
     """See `melt.reference.heat_explicit.heat_rate`."""
-    rate = device_empty(heat_volume.shape, heat_volume.dtype)
+    rate = device_empty(heat_capacity.shape, heat_capacity.dtype)
     _particle_rate.launch(
-        heat_volume.shape[0], position, conductivity, heat_volume, heat_capacity, neighbour_count,
-        neighbour_index, smoothing, heat, rate,
+        heat_capacity.shape[0], heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance,
+        neighbour_count, heat, rate,
     )
     _largest.launch(64, rate, heat_rate)

@@ -35,6 +35,25 @@ def pair_factor(w, k_i, k_j, s, heat):
 
 
 @scalar
+def exchange_factor(g, s):
+    """Return q/D = g / (1 + g s) [J/K] of a pair, g = dt G_ij; defined for g = 0 and g = inf."""
+    real = type(g)
+    return real(1) / (real(1) / g + s)
+
+
+@scalar
+def own_share(g, C_i, C_j):
+    """Return f of T_i += f (T_j - T_i), what `exchange_factor` moves over a finite C_i.
+
+    With a = g / C_i it is a / (1 + a (1 + C_i/C_j)): two divisions, and a is held where a
+    (1 + C_i/C_j) stays finite in float32.
+    """
+    real = type(g)
+    a = min(g * (real(1) / C_i), real(1e18))
+    return a / (real(1) + a * (real(1) + C_i / C_j))
+
+
+@scalar
 def pair_weight(r, V_i, V_j, dt, smoothing):
     """Return w = dt V_i V_j L(r) [m s], in an order that neither under- nor overflows."""
     return (dt * V_i) * (V_j * laplacian_weight(r, smoothing))

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from melt.reference._enthalpy import Enthalpy, conductances, latent_of
+from melt.reference._enthalpy import Enthalpy, latent_of
+from melt.reference._shares import rows, shares
 
 
 def heat_onesided(
-    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
-    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt, reverse,
-    temperature_next, latent_energy,
+    temperature, heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_conductance,
+    neighbour_count, neighbour_index, heat, dt, reverse, temperature_next, latent_energy,
 ):
     """One pass of eq (4) in which each particle updates only itself, from frozen neighbours.
 
@@ -17,62 +17,54 @@ def heat_onesided(
     the paper's parallel kernel. Not conserving. A neighbour at its phase change point counts
     as held there.
 
-    Reads: as `melt.reference.heat_pairs.heat_pairs_seq`, temperature (n,) [degC].
+    Reads: temperature (n,) [degC], heat_conductance (n, capacity) [W/K], enthalpy fields (n,).
     Writes: temperature_next (n,) [degC], latent_energy (n,) [J] (only the particle's own).
     """
     n = len(temperature)
-    G = conductances(position, conductivity, heat_volume, smoothing, heat)
     curve = Enthalpy(heat, heat_capacity, heat_capacity_molten, latent_point, latent_capacity)
     point = np.where(curve.changes, curve.m, np.nan)
     start, e = temperature.astype(np.float64), latent_of(heat, latent_energy, n)
-    for i in range(n):
-        T_i = {i: start[i]}
-        if np.asarray(neighbour_count)[i] > 0:
-            near = np.flatnonzero(G[i] > 0)
-            for j in near[::-1] if reverse > 0 else near:
-                g = float(dt) * G[i, j]
-                C_j = curve.C_molten[j] if curve.changes[j] and start[j] > curve.m[j] else curve.C[j]
-                C_j = np.inf if start[j] == point[j] else C_j
-                partner = Enthalpy(
-                    heat, [curve.C[i], C_j], [curve.C_molten[i], C_j],
-                    [curve.m[i], np.inf], [curve.L[i], 0.0],
-                )
-                T, own = [T_i[i], start[j]], [e[i], 0.0]
-                partner.exchange(g, 0, 1, T, own)
-                T_i[i], e[i] = T[0], own[0]
-        temperature_next[i] = T_i[i]
+    for i, near in rows(neighbour_count, neighbour_index):
+        T_i = start[i]
+        entries = list(zip(near, heat_conductance[i, : len(near)].astype(float)))
+        for j, G in entries[::-1] if reverse > 0 else entries:
+            C_j = curve.C_molten[j] if curve.changes[j] and start[j] > curve.m[j] else curve.C[j]
+            C_j = np.inf if start[j] == point[j] else C_j
+            partner = Enthalpy(
+                heat, [curve.C[i], C_j], [curve.C_molten[i], C_j],
+                [curve.m[i], np.inf], [curve.L[i], 0.0],
+            )
+            T, own = [T_i, start[j]], [e[i], 0.0]
+            partner.exchange(float(dt) * G, 0, 1, T, own)
+            T_i, e[i] = T[0], own[0]
+        temperature_next[i] = T_i
     if heat.latent:
         latent_energy[:] = e
 
 
 def heat_explicit(
-    position, temperature, conductivity, heat_volume, heat_capacity, heat_capacity_molten,
-    latent_point, latent_capacity, neighbour_count, neighbour_index, smoothing, heat, dt,
-    temperature_next, latent_energy,
+    temperature, heat_capacity, heat_capacity_molten, latent_point, latent_capacity, heat_conductance,
+    neighbour_count, neighbour_index, heat, dt, temperature_next, latent_energy,
 ):
     """Forward Euler: E_i += dt sum_j G_ij (T_j - T_i); stable for dt <= 1 / max(`heat_rate`).
 
     Reads: as `heat_onesided`. Writes: temperature_next (n,) [degC], latent_energy (n,) [J].
     """
     n = len(temperature)
-    G = conductances(position, conductivity, heat_volume, smoothing, heat)
     curve = Enthalpy(heat, heat_capacity, heat_capacity_molten, latent_point, latent_capacity)
     T, e = temperature.astype(np.float64), latent_of(heat, latent_energy, n)
-    q = float(dt) * (G * (T[None, :] - T[:, None])).sum(axis=1)
-    for i in range(n):
-        temperature_next[i], e[i] = curve.absorb(i, q[i] if neighbour_count[i] > 0 else 0.0, T[i], e[i])
+    for i, near in rows(neighbour_count, neighbour_index):
+        q = float(dt) * (heat_conductance[i, : len(near)].astype(float) * (T[near] - T[i])).sum()
+        temperature_next[i], e[i] = curve.absorb(i, q, T[i], e[i])
     if heat.latent:
         latent_energy[:] = e
 
 
-def heat_rate(
-    position, conductivity, heat_volume, heat_capacity, neighbour_count, neighbour_index,
-    smoothing, heat, heat_rate,
-):
+def heat_rate(heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance, neighbour_count, heat, heat_rate):
     """Write the largest sum_j G_ij / C_i [1/s] of 64 equal shares of the particles."""
-    G = conductances(position, conductivity, heat_volume, smoothing, heat).sum(axis=1)
-    C = heat_capacity.astype(np.float64)
-    rate = np.where((C > 0) & (np.asarray(neighbour_count) > 0), G / np.where(C > 0, C, 1.0), 0.0)
-    n = len(rate)
-    for k in range(64):
-        heat_rate[k] = rate[k * n // 64:(k + 1) * n // 64].max(initial=0.0)
+    G = np.array([heat_conductance[i, :k].astype(float).sum() for i, k in enumerate(neighbour_count)])
+    C = heat_capacity.astype(float)
+    if heat.latent:  # the slope dT/dE is steepest where the capacity is least
+        C = np.where(latent_capacity > 0, np.minimum(C, heat_capacity_molten), C)
+    rate = np.where(G > 0, G / np.where(C > 0, C, np.inf), 0.0)
+    heat_rate[:] = [s.max(initial=0.0) for s in shares(rate)]

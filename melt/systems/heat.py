@@ -41,7 +41,10 @@ def heat(do, dt):
     if do.need.heaters:
         do.heat_source(dt=dt)
     substeps = thermal_substeps(do.settings)
-    solve = SOLVERS[chosen_solver(do.settings)]
+    solver = chosen_solver(do.settings)
+    if solver != "pairs_coloured":  # that one walks cells, not lists
+        do.heat_conductance()
+    solve = SOLVERS[solver]
     for _ in range(substeps):
         solve(do, dt / substeps)
     if do.need.ambient:
@@ -111,7 +114,6 @@ def explicit(do, dt):
 
 def cg(do, dt):
     """Backward Euler of all pairs, in halved steps where it does not converge, in the end by pairs."""
-    do.heat_conductance()
     iterations, error, left = 0, 0.0, dt
     for halving in range(HALVINGS + 1):
         part = left / 2**halving

@@ -14,7 +14,6 @@ from melt.stages import STAGES
 LONG = {
     "heat": "enthalpy curves: point, latent capacity and both heat capacities come with the temperature",
     "heat_source": "as heat",
-    "heat_pairs": "as heat",
     "heat_coloured": "as heat",
     "heat_explicit": "as heat",
     "heat_balance": "as heat",

@@ -67,7 +67,18 @@ def constants(real=np.float64, *, dt=0.005, grid=None, **heat):
     }
 
 
+def conducting(a, p):
+    """Return the arrays with the conductances that the list solvers read."""
+    a = {**a, "heat_conductance": np.zeros(a["neighbour_index"].shape, a["temperature"].dtype)}
+    return {**a, **run_stage("heat_conductance", "reference", a, p)}
+
+
+def solve(name, backend, a, p):
+    """Run a heat solver's stage; return what it wrote."""
+    return run_stage(name, backend, conducting(a, p), p)
+
+
 def pairs(name, backend, a, p):
     """Run a pair stage; return (T, latent energy)."""
-    out = run_stage(name, backend, a, p)
+    out = solve(name, backend, a, p)
     return out.get("temperature", out.get("temperature_next")), out["latent_energy"]

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from heat_bench import BACKENDS, cells, constants, emulate_cuda, pairs, particles  # noqa: F401
-
-from melt.check.compare import run_stage
+from heat_bench import BACKENDS, cells, constants, emulate_cuda, pairs, particles, solve  # noqa: F401
 
 TWO = [[0.1, 0.1, 0.1], [0.3, 0.1, 0.1]]
 CHAIN = [[0.02, 0.1, 0.1], [0.22, 0.1, 0.1], [0.42, 0.1, 0.1]]
@@ -31,12 +29,12 @@ def test_two_particles_literal_full_sweeps(name, backend):
 def test_one_pass_of_the_one_sided_form(backend):
     # with one partner it is eq (4) as printed, for both particles: one pair with the full dt
     a = particles(TWO, [-10, 40])
-    T = run_stage("heat_onesided", backend, a, constants())["temperature_next"]
+    T = solve("heat_onesided", backend, a, constants())["temperature_next"]
     assert T == pytest.approx([-9.674276173, 39.674276173], abs=1e-9)
-    half = run_stage("heat_onesided", backend, a, constants(dt=0.0025))["temperature_next"]
+    half = solve("heat_onesided", backend, a, constants(dt=0.0025))["temperature_next"]
     assert half[0] == pytest.approx(-9.836070169, abs=1e-9)
     unequal = particles(TWO, [-10, 40], K=[0.3, 0.1], V=[0.008, 0.016])
-    T = run_stage("heat_onesided", backend, unequal, constants())["temperature_next"]
+    T = solve("heat_onesided", backend, unequal, constants())["temperature_next"]
     assert T == pytest.approx([-9.565701564, 39.782850782], abs=1e-9)
 
 
@@ -49,7 +47,7 @@ def test_one_sided_order_of_neighbours(backend):
         T = 0.0
         for T_j in partners:
             T += step * (T_j - T)
-        out = run_stage("heat_onesided", backend, a, {**constants(), "reverse": np.float64(reverse)})
+        out = solve("heat_onesided", backend, a, {**constants(), "reverse": np.float64(reverse)})
         assert out["temperature_next"][1] == pytest.approx(T, abs=1e-8)
 
 
@@ -178,7 +176,7 @@ def test_nothing_to_do_is_nothing_done(name, backend, latent):
 @pytest.mark.parametrize("name", (*SWEEPS, "heat_onesided", "heat_explicit", "heat_rate"))
 def test_empty(name, backend):
     a, p = particles(np.zeros((0, 3)), []), constants()
-    for array in run_stage(name, backend, a, p).values():
+    for array in solve(name, backend, a, p).values():
         assert array.shape[-1] in (0, 64) and not array.any()
 
 
@@ -186,7 +184,7 @@ def test_empty(name, backend):
 def test_explicit_limit(backend):
     # two particles: sum of G / C = 2 K V L, positive for dt up to its inverse
     a = particles(TWO, [-10, 40])
-    rate = run_stage("heat_rate", backend, a, constants())["heat_rate"].max()
+    rate = solve("heat_rate", backend, a, constants())["heat_rate"].max()
     assert rate == pytest.approx(0.6 * 0.008 * 275.0197417, rel=1e-9)
-    T = run_stage("heat_explicit", backend, a, constants(dt=1 / rate))["temperature_next"]
+    T = solve("heat_explicit", backend, a, constants(dt=1 / rate))["temperature_next"]
     assert T == pytest.approx([40, -10], abs=1e-9)
