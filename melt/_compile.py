@@ -61,9 +61,9 @@ CACHE_FOLDER = cache_root() / f"{source_hash()}{'' if PARALLEL else '-serial'}"
 try:
     CACHE_FOLDER.mkdir(parents=True, exist_ok=True)
     numba.config.CACHE_DIR = str(CACHE_FOLDER)
-    _CACHE = True
+    CACHED = True
 except OSError:  # a read-only home: compile in memory
-    _CACHE = False
+    CACHED = False
 
 
 def scalar(function):
@@ -73,22 +73,22 @@ def scalar(function):
     compiles it first, and its rounding would depend on the state of the cache. It costs nothing
     (measured: density 1.10, force 2.63 ns per pair on one thread, as with the flags).
     """
-    return njit(error_model="numpy", fastmath=False, cache=_CACHE)(function)
+    return njit(error_model="numpy", fastmath=False, cache=CACHED)(function)
 
 
 def cpu_stage(function):
     """Compile a CPU stage: threads, vectorised sums, no bounds checks, no exceptions."""
-    return njit(parallel=PARALLEL, fastmath=FASTMATH, error_model="numpy", nogil=True, cache=_CACHE)(function)
+    return njit(parallel=PARALLEL, fastmath=FASTMATH, error_model="numpy", nogil=True, cache=CACHED)(function)
 
 
 def cpu_helper(function):
     """Compile a serial function that CPU stages call."""
-    return njit(fastmath=FASTMATH, error_model="numpy", nogil=True, cache=_CACHE)(function)
+    return njit(fastmath=FASTMATH, error_model="numpy", nogil=True, cache=CACHED)(function)
 
 
 def cpu_serial(function):
     """Compile a CPU stage that has no loop worth sharing between threads."""
-    return njit(error_model="numpy", fastmath=False, nogil=True, cache=_CACHE)(function)
+    return njit(error_model="numpy", fastmath=False, nogil=True, cache=CACHED)(function)
 
 
 # --- CUDA -------------------------------------------------------------------------------
@@ -128,7 +128,7 @@ class Kernel:
             return
         if Kernel.emulated:
             if self._host is None:
-                self._host = emulate(self.py_func, cache=_CACHE)
+                self._host = emulate(self.py_func, cache=CACHED)
             self._host(threads, *arguments)
             return
         if self._device is None:

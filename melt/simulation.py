@@ -8,6 +8,7 @@ import numpy as np
 
 from melt import backend as backends
 from melt import plan
+from melt.ahead import compile_ahead
 from melt.bind import Lockstep, Plain, Timed
 from melt.diagnostics import series
 from melt.errors import MeltError
@@ -36,9 +37,10 @@ class Simulation:
         precision: single, mixed, double; the scene's unless given.
         timed: keep seconds per stage in ``do.seconds``.
         lockstep: name of a second backend that runs beside and is compared stage by stage.
+        progress: called as ``progress("compile", message=..., done=..., total=...)``.
     """
 
-    def __init__(self, scene, backend="auto", precision=None, timed=False, lockstep=None, initial=None):
+    def __init__(self, scene, backend="auto", precision=None, timed=False, lockstep=None, initial=None, progress=None):
         self.scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
         self.initial = initial or build(self.scene)
         check_initial(self.initial, precision or self.scene.solver.precision)
@@ -62,10 +64,7 @@ class Simulation:
                 self.state.set(name, self.initial[name])
         # liquids start at their rest density: what reads it before the first density pass sees that
         used = np.maximum(self.initial["rest_volume"], 1e-300)
-        begin = {
-            "density": self.initial["mass"] / used,
-            "volume": self.initial["rest_volume"],
-        }
+        begin = {"density": self.initial["mass"] / used, "volume": self.initial["rest_volume"]}
         for name, values in begin.items():
             if name in self.state:
                 self.state.set(name, values)
@@ -75,6 +74,7 @@ class Simulation:
         clock = self.do.clock
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
+        self.compile_seconds = compile_ahead(self.do, p.stages, progress)
         melting.start(self.do)
         mobile = np.isin(self.initial["phase"], (LIQUID, SOLID))
         self._start = {
@@ -218,9 +218,7 @@ def run(
     try:
         if writer:
             checkpoint.discard(checkpoint.beside(output))  # of the run that was replaced
-        say("compile", message="compiling stages (cached for the next run)")
-        timed = not chosen.on_device
-        sim = Simulation(scene, chosen, precision, timed=timed, lockstep=lockstep, initial=initial)
+        sim = Simulation(scene, chosen, precision, not chosen.on_device, lockstep, initial, progress=say)
         for finding in findings(scene, initial, sim.prepared):
             if finding.level == "warning" or finding.text in initial.notes:
                 say("warning", message=finding.advice)
@@ -248,7 +246,7 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     past = open_run(path)
     arrays, meta = checkpoint.load(checkpoint.beside(path))
     scene = scene_from_toml(past.scene_text, f"scene of {path}")
-    sim = Simulation(scene, backend or meta["backend"], meta["precision"], timed=True)
+    sim = Simulation(scene, backend or meta["backend"], meta["precision"], timed=True, progress=say)
     end = sim.scene.time.end if until is None else check_number("until", until, at_least=0)
     sim.restore(arrays, meta)
     writer = RunWriter.resume(path, frames=int(meta["frames"]))

@@ -23,19 +23,14 @@ def scene():
     return load_scene("ice_cube_small", OVERRIDES)
 
 
-def in_child(statement, wait=True):
-    """Run ``statement`` in a process of its own, with the stages from the cache.
-
-    The process that compiles a stage may round it differently in the last bit than those that load it
-    from the cache (numba links the two differently; seen in region_rest): bits are compared between
-    processes that all load.
-    """
+def in_child(statement, wait=True, **environment):
+    """Run ``statement`` in a process of its own."""
     code = (
         "from melt import simulation; from melt.scene import load_scene; "
         f"scene = load_scene('ice_cube_small', {OVERRIDES!r}); {statement}"
     )
     root = str(pathlib.Path(simulation.__file__).parents[1])
-    child = subprocess.Popen([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": root})
+    child = subprocess.Popen([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": root, **environment})
     if wait:
         assert child.wait() == 0
     return child
@@ -43,9 +38,10 @@ def in_child(statement, wait=True):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
+    """A run whose stages were not in the cache: those it is compared with load them (see `melt.ahead`)."""
     folder = tmp_path_factory.mktemp("whole")
-    in_child(f"simulation.run(scene, {str(folder / 'warm.vtkhdf')!r}, backend='cpu')")
-    in_child(f"simulation.run(scene, {str(folder / 'run.vtkhdf')!r}, backend='cpu')")
+    cold = str(tmp_path_factory.mktemp("cache"))
+    in_child(f"simulation.run(scene, {str(folder / 'run.vtkhdf')!r}, backend='cpu')", MELT_CACHE_DIR=cold)
     return folder / "run.vtkhdf"
 
 
