@@ -27,14 +27,6 @@ CAPABILITIES = ((7, 5), (8, 0), (9, 0), (10, 0))
 #: Warps and blocks that fit on a multiprocessor; it has 4 x 16384 registers, given to warps 256 at a time.
 RESIDENT = {(7, 5): (32, 16), (8, 0): (64, 32), (9, 0): (64, 32), (10, 0): (64, 32)}
 
-#: Kernels with double-precision instructions in single precision, and why.
-WIDE = {
-    "rigid._sums": "sums over the thousands of members of a component are float64 by choice (a baseline)",
-    "rigid._pose": "as rigid._sums",
-    "surface_field._surface_field": "cosf of libdevice: float64 for arguments beyond 105615; here 0 .. pi/3",
-}
-
-
 class Compiled(NamedTuple):
     """One kernel, precision and capability. Registers, spills and stack are None without ptxas."""
 
@@ -240,8 +232,6 @@ def document(single, double, double_capability=(9, 0)):
             "",
             "Occupancy is theoretical: blocks of 128 threads, limited by registers and by blocks.",
             "",
-            *(f"- `{kernel}` uses float64 in single precision: {reason}." for kernel, reason in WIDE.items()),
-            "",
             "## Single precision",
             "",
             *_table(single, CAPABILITIES),
@@ -268,7 +258,7 @@ def main(path="docs/gpu.md"):
     failed = [row for row in single + double if row.error]
     for row in failed:
         print(f"{row.kernel} ({row.precision}): {row.error}", file=sys.stderr)
-    wide = {row.kernel for row in single if row.doubles} - set(WIDE)
+    wide = {row.kernel for row in single if row.doubles}
     for kernel in sorted(wide):
         print(f"{kernel}: double-precision instructions in single precision", file=sys.stderr)
     good = [[row for row in rows if not row.error] for rows in (single, double)]

@@ -1,6 +1,4 @@
-"""CPU twin of `melt.reference.rigid`. Sums over a whole component are always float64."""
-
-import numpy as np
+"""CPU twin of `melt.reference.rigid`."""
 
 from melt._compile import cpu_helper, cpu_stage, prange
 from melt.physics.polar import rotation, solve_inertia
@@ -10,26 +8,28 @@ from melt.physics.quaternion import rotate
 @cpu_helper
 def _sums(root, position, force, mass, site_particle, site_component, site_cell, dx, centre, rest, push):
     """Write centre of mass, its rest position and the acceleration of one component."""
+    real, wide = type(dx), position.dtype.type  # sums are as wide as positions (precision `mixed`)
     o = site_particle[root]
-    M, cx, cy, cz, X, Y, Z, Fx, Fy, Fz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    M, Fx, Fy, Fz = wide(0), wide(0), wide(0), wide(0)
+    cx, cy, cz, X, Y, Z = wide(0), wide(0), wide(0), wide(0), wide(0), wide(0)
     for s in range(root, site_component.shape[0]):
         if site_component[s] != root:
             continue
         p = site_particle[s]
-        m = np.float64(mass[p])
+        m = wide(mass[p])
         M += m
         cx += m * (position[0, p] - position[0, o])
         cy += m * (position[1, p] - position[1, o])
         cz += m * (position[2, p] - position[2, o])
-        X += m * (site_cell[0, s] - site_cell[0, root])
-        Y += m * (site_cell[1, s] - site_cell[1, root])
-        Z += m * (site_cell[2, s] - site_cell[2, root])
+        X += m * wide(site_cell[0, s] - site_cell[0, root])
+        Y += m * wide(site_cell[1, s] - site_cell[1, root])
+        Z += m * wide(site_cell[2, s] - site_cell[2, root])
         Fx += force[0, p]
         Fy += force[1, p]
         Fz += force[2, p]
-    centre[0, root], centre[1, root], centre[2, root] = cx / M, cy / M, cz / M
-    rest[0, root], rest[1, root], rest[2, root] = X / M * dx, Y / M * dx, Z / M * dx
-    push[0, root], push[1, root], push[2, root] = Fx / M, Fy / M, Fz / M
+    centre[0, root], centre[1, root], centre[2, root] = real(cx / M), real(cy / M), real(cz / M)
+    rest[0, root], rest[1, root], rest[2, root] = real(X / M) * dx, real(Y / M) * dx, real(Z / M) * dx
+    push[0, root], push[1, root], push[2, root] = real(Fx / M), real(Fy / M), real(Fz / M)
 
 
 @cpu_helper
@@ -38,22 +38,24 @@ def _pose(
     twist,
 ):
     """Write rotation and angular acceleration of one component, about its centre."""
-    real = type(lattice.spacing)
-    dx = np.float64(lattice.spacing)
+    real, wide = type(lattice.spacing), position.dtype.type
+    dx = wide(lattice.spacing)
     o = site_particle[root]
-    a0, a1, a2, a3, a4, a5, a6, a7, a8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    xx, yy, zz, xy, xz, yz, tx, ty, tz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    a0, a1, a2, a3, a4 = wide(0), wide(0), wide(0), wide(0), wide(0)
+    a5, a6, a7, a8 = wide(0), wide(0), wide(0), wide(0)
+    xx, yy, zz, xy, xz, yz = wide(0), wide(0), wide(0), wide(0), wide(0), wide(0)
+    tx, ty, tz = wide(0), wide(0), wide(0)
     for s in range(root, site_component.shape[0]):
         if site_component[s] != root:
             continue
         p = site_particle[s]
-        m = np.float64(mass[p])
-        x = np.float64(position[0, p] - position[0, o]) - centre[0, root]
-        y = np.float64(position[1, p] - position[1, o]) - centre[1, root]
-        z = np.float64(position[2, p] - position[2, o]) - centre[2, root]
-        X = (site_cell[0, s] - site_cell[0, root]) * dx - rest[0, root]
-        Y = (site_cell[1, s] - site_cell[1, root]) * dx - rest[1, root]
-        Z = (site_cell[2, s] - site_cell[2, root]) * dx - rest[2, root]
+        m = wide(mass[p])
+        x = position[0, p] - position[0, o] - centre[0, root]
+        y = position[1, p] - position[1, o] - centre[1, root]
+        z = position[2, p] - position[2, o] - centre[2, root]
+        X = wide(site_cell[0, s] - site_cell[0, root]) * dx - rest[0, root]
+        Y = wide(site_cell[1, s] - site_cell[1, root]) * dx - rest[1, root]
+        Z = wide(site_cell[2, s] - site_cell[2, root]) * dx - rest[2, root]
         u, v, w = m * x, m * y, m * z
         a0, a1, a2 = a0 + u * X, a1 + u * Y, a2 + u * Z
         a3, a4, a5 = a3 + v * X, a4 + v * Y, a5 + v * Z
@@ -70,7 +72,8 @@ def _pose(
     )
     rotations[0, root], rotations[1, root], rotations[2, root], rotations[3, root] = q
     twist[0, root], twist[1, root], twist[2, root] = solve_inertia(
-        (yy + zz, xx + zz, xx + yy, -xy, -xz, -yz), (tx, ty, tz)
+        (real(yy + zz), real(xx + zz), real(xx + yy), real(-xy), real(-xz), real(-yz)),
+        (real(tx), real(ty), real(tz)),
     )
 
 

@@ -33,7 +33,18 @@ def largest_eigenvalue(xx, yy, zz, xy, xz, yz):
         return mean
     a, b, c, d, e, f = a / p, b / p, c / p, xy / p, xz / p, yz / p
     half = real(0.5) * (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e))
-    return mean + real(2) * p * math.cos(math.acos(min(max(half, real(-1)), real(1))) * third)
+    return mean + real(2) * p * _cosine(math.acos(min(max(half, real(-1)), real(1))) * third)
+
+
+@scalar
+def _cosine(t):
+    """Return cos t for t in 0 .. pi/3, by its series to t^18 (libdevice's cosf computes in float64)."""
+    real = type(t)
+    u = t * t
+    c = real(1)
+    for k in range(18, 0, -2):
+        c = real(1) - c * u * (real(1) / real(k * (k - 1)))
+    return c
 
 
 @scalar
