@@ -91,7 +91,7 @@ class Slab:
                 wall_fixed=int(walls > 0),
             ),
         }
-        need = SimpleNamespace(latent=latent, heaters=False, ambient=False)
+        need = SimpleNamespace(latent=latent, heaters=False, ambient=False, thermostats=False)
         alpha = [2 * k if law == "paper" else k / (r * c) for k, r, c in zip(conductivity, density, specific_heat)]
         self.alpha = max(alpha)
         settings = SimpleNamespace(

@@ -24,7 +24,7 @@ def new_clock():
     """Return the times and counters of a run at its start (a checkpoint keeps them)."""
     return SimpleNamespace(
         time=0.0, step=0, previous_dt=0.0, max_speed=0.0, max_acceleration=0.0, active=0, layers={},
-        entered={}, origin_time=0.0, origin_step=0,
+        entered={}, origin_time=0.0, origin_step=0, melted=0, frozen=0, energy_in=0.0,
     )
 
 

@@ -114,6 +114,7 @@ def params_of(scene, particles, sound_speed, real):
             stiffness=s.contact_stiffness,
             damping=s.contact_damping,
             friction=s.contact_friction,
+            connect=s.connect,
         ),
         "lattice": lattice_of(scene, real),
         "domain": P.make(
@@ -222,7 +223,6 @@ def change_of(scene, real):
         latent=int(h.latent),
         hysteresis=h.hysteresis,
         reach=0.6 * scene.spacing,
-        speed=0.5 * scene.spacing / scene.time.dt,
     )
 
 

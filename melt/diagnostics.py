@@ -10,6 +10,11 @@ SERIES = {
     "potential_energy": ("J", "m g . x of liquids and solids, from the domain's origin"),
     "thermal_energy": ("J", "sum of C T (paper mode: sum of V T in K m^3)"),
     "latent_energy": ("J", "latent heat stored (paper mode: K m^3)"),
+    "energy_in": (
+        "J",
+        "heat brought since the start by heaters, ambient air and what has a fixed temperature (paper mode: K m^3): "
+        "thermal_energy + latent_energy - energy_in stays",
+    ),
     "mass": ("kg", "of liquids and solids"),
     "mass_created": ("kg", "mass made (or lost, < 0) by melting into the ambient liquid since the start"),
     "mass_deleted": ("kg", "of particles that left the domain and were made inactive"),
@@ -24,6 +29,8 @@ SERIES = {
     "lost_particles": ("1", "outside of the domain and its margin, or made inactive there"),
     "coincident_particles": ("1", "liquid and solid particles at the very place of another particle"),
     "melted_fraction": ("1", "of the particles that were solid at the start"),
+    "melted": ("1", "particles that melted since the start; one that froze and melted again counts again"),
+    "frozen": ("1", "particles that froze since the start, likewise"),
     "neighbours_mean": ("1", "over liquid particles"),
     "neighbours_max": ("1", ""),
     "guard_pairs": ("1", "liquid-solid pairs that the guard pushed apart in the last sub-step"),
@@ -77,7 +84,18 @@ def series(do, start):
         values["melted_fraction"] = 1.0 - values["solid_particles"] / start["solids"]
     if "temperature" in wide:
         values.update(_thermal(wide, mobile))
+    for name, counted in _COUNTED.items():
+        if any(getattr(do.need, need) for need in counted):
+            values[name] = getattr(do.clock, name)
     return values
+
+
+#: Running sums of the clock (a checkpoint keeps them), and what a scene needs one of to have them.
+_COUNTED = {
+    "energy_in": ("heaters", "ambient", "thermostats"),
+    "melted": ("melting",),
+    "frozen": ("freezing",),
+}
 
 
 _WANTED = (
@@ -120,7 +138,7 @@ def _compression(wide, liquid):
 
 
 def _thermal(wide, mobile):
-    """Temperatures and energies; particles of fixed temperature (C = inf) have no share in the energy."""
+    """Temperatures and energies of liquids and solids (a C of inf, which no step leaves, would not count)."""
     T, C = wide["temperature"][mobile], wide["heat_capacity"][mobile]
     if not T.size:
         return {}

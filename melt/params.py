@@ -84,6 +84,7 @@ class Contact(NamedTuple):
     stiffness: float  # k_c = stiffness * reduced mass / dt^2 (0.25)
     damping: float  # share of the normal approach speed that one pair removes per sub-step
     friction: float  # Coulomb coefficient
+    connect: int  # 6, 18 or 26 voxel neighbours bond (of Lattice)
 
 
 class Guard(NamedTuple):
@@ -114,7 +115,6 @@ class Change(NamedTuple):
     latent: int  # 1: melts when latent_energy reaches latent_capacity
     hysteresis: float  # freezing starts this far below the melting point [K]
     reach: float  # freezing particle must be this close to the vacant site [m]
-    speed: float  # and slower than this relative to it [m/s]
 
 
 class Reconstruction(NamedTuple):

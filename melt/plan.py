@@ -62,8 +62,11 @@ def needs(scene, initial):
         latent=heat is not None and heat.latent,
         heaters=heat is not None and bool(heat.heater),
         ambient=heat is not None and heat.ambient_transfer > 0,
+        thermostats=heat is not None
+        and (heat.wall_temperature is not None or any(h.temperature is not None for h in heat.heater)),
         melting=heat is not None and solids and bool(melts),
-        freezing=heat is not None and heat.refreeze and solids,
+        freezing=heat is not None and heat.refreeze and solids and bool(melts),
+        nucleation=heat is not None and heat.nuclei > 0 and solids and bool(melts),
         inflow=bool(scene.inflow),
         laminar=fluid.viscosity == "laminar" and fluid.mu > 0,
         buoyancy=heat is not None and fluid.expansion != 0,
@@ -138,6 +141,7 @@ def sizes_of(scene, initial, params, precision):
         "material": initial["material_density"].size,
         "heater": initial["heater_mode"].size if "heater_mode" in initial else 0,
         "inlet": initial["inflow_mass"].size if "inflow_mass" in initial else 0,
+        "nucleus": initial["nucleus_sites"].shape[1],
         "reduction": 64,
     }
 

@@ -123,9 +123,13 @@ _LIST = [
     # freezing: the choice of a site needs the whole neighbourhood, more than 12 arguments
     _stage("freeze_choice", "freezing", "melting 3.4",
            f"position velocity phase material temperature latent_energy site site_adjacent site_link_count {_NEAR} "
-           "region_rotation region_shift material_melting_point material_freezes_to", "lattice change", "freeze_site freeze_distance freeze_shift", _FEW),
+           "region_rotation region_shift material_melting_point material_freezes_to", "lattice change dt", "freeze_site freeze_distance freeze_shift", _FEW),
     _stage("freeze_claim", "freezing", "melting 3.4",
            f"id freeze_site freeze_distance site_particle site_adjacent site_link_count {_NEAR}", "", "claim frozen", _EXACT),
+    _stage("nucleus_choice", "nucleation", "melting 3.4",
+           f"id phase material temperature latent_energy {_NEAR} material_melting_point material_freezes_to", "change", "nucleation", _EXACT),
+    _stage("nucleus_claim", "nucleation", "melting 3.4", "nucleation nucleus_sites site_link_count", "",
+           "freeze_site claim region_rotation nucleated nucleus_count nucleus_free", _COPY, partial=True, scratch="nucleus_count nucleus_free"),
     _stage("freeze_particles", "freezing", "melting 3.4",
            "freeze_site freeze_shift claim material_freezes_to material_density position phase material site mass rest_volume density", "change",
            "position phase material site mass rest_volume density", _FEW, partial=True),
@@ -166,6 +170,8 @@ _LIST = [
     _stage("ambient_cooling", "heat_source", "melting 2.5",
            f"surface neighbour_count heat_volume heat_capacity {_LATENT} temperature latent_energy", "heat dt",
            "temperature latent_energy", _FEW),
+    _stage("heat_content", "heat_content", "melting 8 (ledgers)", f"phase heat_capacity {_LATENT} temperature latent_energy", "heat",
+           "heat_content", _SUM),
     _stage("heat_conductance", "heat_balance", "melting 2.5", f"position conductivity heat_volume {_NEAR}", "smoothing heat",
            "heat_conductance", _SUM, partial=True),
     _stage("heat_pairs_seq", "heat_pairs", "melting (4)",

@@ -47,7 +47,7 @@ TUPLES = {
             connect=26,
         ),
     ),
-    "contact": (P.Contact, dict(distance=_cloud.SPACING, stiffness=0.25, damping=0.1, friction=0.2)),
+    "contact": (P.Contact, dict(distance=_cloud.SPACING, stiffness=0.25, damping=0.1, friction=0.2, connect=26)),
     "guard": (P.Guard, dict(distance=0.5 * _cloud.SPACING)),
     "heat": (
         P.Heat,
@@ -64,7 +64,7 @@ TUPLES = {
             wall_fixed=0,
         ),
     ),
-    "change": (P.Change, dict(own_liquid=1, latent=1, hysteresis=0.5, reach=0.6 * _cloud.SPACING, speed=2.0)),
+    "change": (P.Change, dict(own_liquid=1, latent=1, hysteresis=0.5, reach=0.6 * _cloud.SPACING)),
     "reconstruction": (
         P.Reconstruction,
         dict(reach=2 * _cloud.SPACING, radius=0.6 * _cloud.SPACING, correct=1, temperature=1),
@@ -106,6 +106,7 @@ SWITCHES = {
         "latent": (0, 1),
         "wall_fixed": (0, 1),
     },
+    "contact": {"connect": (6, 18, 26)},
     "change": {"own_liquid": (0, 1), "latent": (0, 1)},
     "domain": {"delete": (0, 1)},
     "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
@@ -118,6 +119,7 @@ EXTRA = {
     "neighbours_kdtree": [{"capacity": 20}],
     "heat_onesided": [{"reverse": 1}],
     "crumble": [{"smallest": 0}, {"smallest": 8}],
+    "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
 }
 
 #: What stages need besides when there is no particle, or one.

@@ -113,6 +113,15 @@ def freezing_fields(arrays):
     return dict(freeze_site=choice, freeze_distance=distance, claim=claim)
 
 
+def nucleation_fields(arrays):
+    """Return more particles that would start a body than there are free ones: of four, two have live sites."""
+    n, sites = len(arrays["phase"]), len(arrays["site_body"])
+    liquid, number = arrays["phase"] == LIQUID, np.arange(n)
+    spare = np.array([[0, sites - 3, 3, sites - 6], [3, sites, 9, sites - 3]]) if sites else np.zeros((2, 0), int)
+    starts = liquid & (number % 23 == 3)
+    return dict(nucleation=np.where(starts, 3, liquid & (number % 7 == 0)), nucleus_sites=spare)
+
+
 def _inflow(rng):
     """Two nozzles of 7 and 4 particles."""
     k = 11
@@ -165,6 +174,7 @@ def special_fields(arrays, rng):
         rest_sum=_rest_sum(arrays),
         surface_node=surface_nodes(arrays),
         **freezing_fields(arrays),
+        **nucleation_fields(arrays),
         **heaters(),
         **_inflow(rng),
     )

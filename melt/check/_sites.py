@@ -139,7 +139,7 @@ def sites(n, arrays, rng, width=2, connect=26):
     a["site_region"], a["site_region_count"] = by_offset(reach, cell, width), reach.sum(axis=1)
     a["site_component"] = components(bonds)
     a["site_adjacent"] = by_offset(adjacency(cell, body, body >= 0, connect), cell, 1)
-    surface = live & (a["site_link_count"] < 27)
+    surface = live & (a["site_link_count"] <= connect)
     melting = surface & (rng.random(len(body)) < 0.15)
     a["site_melting"] = melting.astype(int)
 

@@ -112,6 +112,7 @@ def _sizes(arrays, grid):
         surface_node=arrays["surface_node"].shape[1],
         heater=len(arrays["heater_shape"]),
         inlet=len(arrays["inflow_mass"]),
+        nucleus=arrays["nucleus_sites"].shape[1],
         reduction=64,
     )
 

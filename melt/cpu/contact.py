@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_stage, prange
-from melt.physics.contact import contact_friction, contact_normal, reduced_mass
+from melt.physics.contact import contact_friction, contact_normal, lattice_steps, reduced_mass
 from melt.physics.phases import SOLID, WALL
 
 
@@ -22,7 +22,7 @@ def contact_force(
         if phase[i] != SOLID:
             continue
         s = np.uint64(site[i])
-        if site_link_count[s] >= 27:
+        if site_link_count[s] > contact.connect:
             continue
         x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
         # vectorised: most surface particles touch nothing, only the rest enters the loop with branches
@@ -47,14 +47,15 @@ def contact_force(
             wall = phase[j] == WALL
             if not wall:
                 t = np.uint64(site[j])
-                if site_link_count[t] >= 27:
+                if site_link_count[t] > contact.connect:
                     continue
-                apart = max(
-                    abs(site_cell[0, t] - site_cell[0, s]),
-                    abs(site_cell[1, t] - site_cell[1, s]),
-                    abs(site_cell[2, t] - site_cell[2, s]),
+                steps = lattice_steps(
+                    site_cell[0, t] - site_cell[0, s],
+                    site_cell[1, t] - site_cell[1, s],
+                    site_cell[2, t] - site_cell[2, s],
+                    contact.connect,
                 )
-                if apart <= 2 and site_component[t] == site_component[s]:
+                if steps <= 2 and site_component[t] == site_component[s]:
                     continue
             x, y, z = x / r, y / r, z / r
             u = velocity[0, i] - velocity[0, j]

@@ -18,11 +18,12 @@ def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
-    lattice, change, freeze_site, freeze_distance, freeze_shift,
+    lattice, change, dt, freeze_site, freeze_distance, freeze_shift,
 ):
     """See `melt.reference.freezing.freeze_choice`."""
     real = type(lattice.spacing)
     dx = lattice.spacing
+    slow = real(0.5) * dx / dt
     for i in prange(phase.shape[0]):
         freeze_site[i] = -1
         freeze_distance[i] = 0
@@ -47,7 +48,7 @@ def freeze_choice(
             u = velocity[0, i] - velocity[0, j]
             v = velocity[1, i] - velocity[1, j]
             w = velocity[2, i] - velocity[2, j]
-            if not math.sqrt(u * u + v * v + w * w) < change.speed:
+            if not math.sqrt(u * u + v * v + w * w) < slow:
                 continue
             x = real(position[0, j] - position[0, i]) + region_shift[0, q]
             y = real(position[1, j] - position[1, i]) + region_shift[1, q]

@@ -74,7 +74,8 @@ def solid_volume_akinci(
     """See `melt.reference.volume.solid_volume_akinci`."""
     real = type(smoothing.support)
     wide = position.dtype.type
-    inside = 27 if lattice.solid_volume == VOLUME_SHELL else 28  # live links of a site that counts: fewer
+    # live links, its own counted, of a site that counts: fewer
+    inside = lattice.connect + 1 if lattice.solid_volume == VOLUME_SHELL else 28
     for i in prange(phase.shape[0]):
         if phase[i] != SOLID:
             continue

@@ -15,7 +15,7 @@ def _freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
-    lattice, change, freeze_site, freeze_distance, freeze_shift,
+    lattice, change, dt, freeze_site, freeze_distance, freeze_shift,
 ):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
@@ -37,6 +37,7 @@ def _freeze_choice(
     if not cold:
         return
     best, taken = FAR, -1
+    slow = real(0.5) * dx / dt
     for n in range(neighbour_count[i]):
         j = neighbour_index[i, n]
         q = site[j]
@@ -45,7 +46,7 @@ def _freeze_choice(
         u = velocity[0, i] - velocity[0, j]
         v = velocity[1, i] - velocity[1, j]
         w = velocity[2, i] - velocity[2, j]
-        if not math.sqrt(u * u + v * v + w * w) < change.speed:
+        if not math.sqrt(u * u + v * v + w * w) < slow:
             continue
         x = real(position[0, j] - position[0, i]) + region_shift[0, q]
         y = real(position[1, j] - position[1, i]) + region_shift[1, q]
@@ -74,14 +75,14 @@ def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
-    lattice, change, freeze_site, freeze_distance, freeze_shift,
+    lattice, change, dt, freeze_site, freeze_distance, freeze_shift,
 ):
     """See `melt.reference.freezing.freeze_choice`."""
     _freeze_choice.launch(
         phase.shape[0], position, velocity, phase, material, temperature, latent_energy, site, site_adjacent,
         site_link_count, neighbour_count, neighbour_index, region_rotation, region_shift,
         material_melting_point,
-        material_freezes_to, lattice, change, freeze_site, freeze_distance, freeze_shift,
+        material_freezes_to, lattice, change, dt, freeze_site, freeze_distance, freeze_shift,
     )
 
 

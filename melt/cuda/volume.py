@@ -100,7 +100,8 @@ def _solid_volume_akinci(
         return
     real = type(smoothing.support)
     wide = position.dtype.type
-    inside = 27 if lattice.solid_volume == VOLUME_SHELL else 28  # live links of a site that counts: fewer
+    # live links, its own counted, of a site that counts: fewer
+    inside = lattice.connect + 1 if lattice.solid_volume == VOLUME_SHELL else 28
     if phase[i] != SOLID:
         return
     s = site[i]

@@ -80,6 +80,7 @@ def build(scene):
     lower = np.array(scene.domain.lower, float)
     upper = lower + np.array(scene.domain.cells) * scene.spacing
     bodies = [solid.name for solid in scene.solid]
+    bodies += [f"nucleus {k}" for k in range(arrays["nucleus_sites"].shape[1])]
     return Initial(arrays, scene.spacing, lower, upper, names, bodies, nozzles, notes)
 
 
@@ -206,14 +207,31 @@ def _sites(scene, solids, arrays, notes):
     body = np.concatenate(
         [np.zeros(0, np.int32), *(np.full(c.shape[1], b, np.int32) for b, c in enumerate(cells))]
     )
-    particle = np.full(len(order), -1, np.int32)
+    # spare bodies for nucleation come last, in voxels of their own
+    block, spare = _nuclei(scene, len(order))
+    count = spare.shape[1]
+    particle = np.full(len(order) + count * block.shape[1], -1, np.int32)
     particle[: len(solid)] = solid
+    own = np.hstack([np.zeros((3, 0), np.int64), *cells])[:, order]
+    origins = np.hstack([np.zeros((3, 0)), *rest])[:, order]
     return {
         "site_particle": particle,
-        "site_cell": np.hstack([np.zeros((3, 0), np.int32), *cells]).astype(np.int32)[:, order],
-        "site_rest": np.hstack([np.zeros((3, 0)), *rest])[:, order],
-        "site_body": body.astype(np.int32)[order],
+        "site_cell": np.hstack([own, np.tile(block, count)]).astype(np.int32),
+        "site_rest": np.hstack([origins, scene.spacing * np.tile(block, count)]),
+        "site_body": np.concatenate([body[order], len(solids) + np.repeat(np.arange(count), block.shape[1])]).astype(
+            np.int32
+        ),
+        "nucleus_sites": spare,
     }
+
+
+def _nuclei(scene, first):
+    """Return the voxels of a spare body, around its middle, and the sites (2, b) of each: first, last + 1."""
+    count, reach = (0, 0) if scene.heat is None else (scene.heat.nuclei, scene.heat.freeze_layers)
+    affordable(count * (2 * reach + 1) ** 3, "heat.nuclei, sites kept for them")
+    block = np.indices((2 * reach + 1,) * 3).reshape(3, -1) - reach
+    start = first + block.shape[1] * np.arange(count)
+    return block, np.stack([start, start + block.shape[1]]).astype(np.int32)
 
 
 def _vacant(scene, solids):

@@ -53,7 +53,9 @@ def material_table(scene):
             freezes = k if heat and heat.refreeze else -1
             rows.append({**liquid, "density": solid.liquid_density, "melts_to": k + 1, "freezes_to": freezes})
             names.append(f"{solid.material} melt")
-    frozen = scene.fluid.freezes_to or (scene.solid[0].material if scene.solid and not own else None)
+    # of the first solid that melts: what never melts has no point to freeze at
+    melting = [solid.material for solid in scene.solid if math.isfinite(solid.melting_point)]
+    frozen = scene.fluid.freezes_to or (melting[0] if melting and not own else None)
     if heat and heat.refreeze and frozen:
         liquid["freezes_to"] = source[frozen][0]
     whole = {"melts_to", "freezes_to"}

@@ -4,6 +4,16 @@ from melt._compile import scalar
 
 
 @scalar
+def lattice_steps(i, j, k, connect):
+    """Return how many bonds lead from a voxel to the one at (i, j, k) in a full lattice; ``connect`` 6, 18 or 26."""
+    a, b, c = abs(i), abs(j), abs(k)
+    if connect == 6:
+        return a + b + c
+    # an edge neighbour is two axes in one bond
+    return max(a, b, c) if connect == 26 else max(max(a, b, c), (a + b + c + 1) // 2)
+
+
+@scalar
 def reduced_mass(mass_i, mass_j, wall_j):
     """Return m_i m_j/(m_i + m_j) [kg]; m_i against a wall, which is infinitely heavy."""
     return mass_i if wall_j else mass_i * mass_j / (mass_i + mass_j)

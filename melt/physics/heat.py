@@ -121,6 +121,15 @@ def latent_heat(g, T_c, e_c, m_c, frozen_c, molten_c, L_c, T_h, e_h, m_h, frozen
 
 
 @scalar
+def enthalpy(T, e, m, frozen, molten, L):
+    """Return the heat content [J] above 0 degC of the frozen state."""
+    real = type(T)
+    if L > real(0) and T > m:
+        return frozen * m + molten * (T - m) + e
+    return frozen * T + e
+
+
+@scalar
 def absorb(q, T, e, m, frozen, molten, L):
     """Return (T, latent energy) after the heat q [J] of either sign; E rises by exactly q.
 

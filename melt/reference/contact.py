@@ -16,9 +16,9 @@ def contact_force(
         F_i = N n - \min(\mu N, \tfrac14 \bar m |v_t|/\Delta t) \, v_t/|v_t|
 
     with n = x_ij/r, m-bar the reduced mass (the solid's own against a wall). Pairs: surface
-    particles (fewer than 27 live direct neighbours) of different pieces, of one piece more than
-    2 lattice steps apart (a body may touch itself), or one of them and a wall. Coincident
-    particles have no normal and are left alone. The quarter keeps several contacts of one
+    particles (a bond is missing: at most ``connect`` live links, their own counted) of different
+    pieces, of one piece more than 2 bonds apart (a body may touch itself), or one of them and a
+    wall. Coincident particles have no normal and are left alone. The quarter keeps several contacts of one
     particle from reversing its sliding.
     Reads: position (3, n) [m], velocity (3, n) [m/s], phase (n,), mass (n,) [kg], site (n,),
         site_component (s,), site_link_count (s,), site_cell (3, s); all pairs; dt [s].
@@ -30,11 +30,17 @@ def contact_force(
     d, dt = float(contact.distance), float(dt)
     solid = np.flatnonzero((phase == 1) & (site >= 0))
     shell = np.zeros(len(phase), bool)
-    shell[solid] = site_link_count[site[solid]] < 27
+    shell[solid] = site_link_count[site[solid]] < contact.connect + 1
     for i in np.flatnonzero(shell):
         other = shell.copy()
         cell = site_cell[:, site[shell]].astype(np.int64)
-        near = np.abs(cell - site_cell[:, [site[i]]]).max(axis=0) <= 2
+        apart = np.abs(cell - site_cell[:, [site[i]]])
+        steps = {
+            6: apart.sum(axis=0),
+            18: np.maximum(apart.max(axis=0), np.ceil(apart.sum(axis=0) / 2)),
+            26: apart.max(axis=0),
+        }
+        near = steps[int(contact.connect)] <= 2
         same = site_component[site[shell]] == site_component[site[i]]
         other[shell] = ~(same & near)
         j = np.flatnonzero((other | (phase == 2)) & (r[i] < d) & (r[i] >= 1e-9 * d))

@@ -1,6 +1,6 @@
 r"""Freezing of liquid particles to vacant lattice sites. Melting spec 3.4.
 
-A vacant site s beside a live site q of its body is predicted at
+Run at x^n, after `region_match` at x^n: a vacant site s beside a live site q of its body is at
 
 .. math:: y = c_q + R_q (X^0_s - c^0_q) = x_q + \mathrm{shift}_q + R_q (o \, dx)
 
@@ -19,11 +19,12 @@ def freeze_choice(
     position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
-    lattice, change, freeze_site, freeze_distance, freeze_shift,
+    lattice, change, dt, freeze_site, freeze_distance, freeze_shift,
 ):
     """Write the vacant site that each liquid particle would freeze to, -1 for none.
 
     Cold means T <= T_melt - hysteresis of the solid it freezes to, or, with latent heat, all of it given off.
+    It must not move by half a spacing in the sub-step dt [s] relative to the particle beside the site.
 
     Reads: position (3, n) [m], velocity (3, n) [m/s], phase, material, temperature, latent_energy, site (n,),
         site_adjacent (s, 27), site_link_count (s,), the neighbour list, region_rotation (4, s),
@@ -48,7 +49,7 @@ def freeze_choice(
         for j in neighbour_index[i, : neighbour_count[i]]:
             if phase[j] != 1 or site[j] < 0 or site_link_count[site[j]] == 0:
                 continue
-            if np.linalg.norm(velocity[:, i] - velocity[:, j]) >= change.speed:
+            if np.linalg.norm(velocity[:, i] - velocity[:, j]) >= 0.5 * lattice.spacing / dt:
                 continue
             q = site[j]
             for k in np.flatnonzero(site_adjacent[q] >= 0):

@@ -56,8 +56,9 @@ def solid_volume_akinci(
 ):
     """Write phi_k V_min^0 = phi_scale / Sum_l W(x_kl), l over solids of the same piece, k included.
 
-    Variant ``shell`` (``lattice.solid_volume`` = 2): only surface particles (fewer than 27 live
-    direct neighbours) exist for the liquid, also in the sum; the others get 0.
+    Variant ``shell`` (``lattice.solid_volume`` = 2): only surface particles (a bond is
+    missing: at most ``lattice.connect`` live links, their own counted) exist for the liquid, also in
+    the sum; the others get 0.
     Reads: position (3, n) [m], phase (n,), site (n,), site_component (s,), site_link_count (s,).
     Writes: volume (n,) [m^3] of solid particles.
     """
@@ -66,7 +67,7 @@ def solid_volume_akinci(
     component = site_component[site[solid]]
     counts = np.ones(solid.size, bool)
     if lattice.solid_volume == 2:
-        counts = site_link_count[site[solid]] < 27
+        counts = site_link_count[site[solid]] < lattice.connect + 1
     w = W(r[np.ix_(solid, solid)], smoothing)
     w = np.where((component[:, None] == component[None, :]) & counts[None, :], w, 0.0)
     total = np.where(counts, w.sum(axis=1), 1.0)

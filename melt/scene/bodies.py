@@ -131,7 +131,7 @@ class Fluid(Section):
     clamp: bool = True
     """Pressure is never negative."""
     freezes_to: str | None = None
-    """Material that it freezes to with heat.refreeze; with melt_to = water the first solid's unless given."""
+    """Material that it freezes to with heat.refreeze; with melt_to = water that of the first solid that melts unless given."""
     expansion: Expansion = 0.0
     """Thermal expansion of the Boussinesq buoyancy; 0 is off."""
     reference_temperature: Temperature | None = None

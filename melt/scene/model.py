@@ -142,6 +142,8 @@ class Heat(Section):
     """Freezing starts this far below the melting point."""
     freeze_layers: NonNegativeInt = 2
     """Layers of vacant lattice sites around each body that liquid may freeze to."""
+    nuclei: NonNegativeInt = 0
+    """Bodies that cold liquid may start away from solids, of (2 freeze_layers + 1)^3 particles at most; 0 is off."""
     ambient_temperature: Temperature | None = None
     """Temperature of the air above free surfaces."""
     ambient_transfer: HeatTransfer = 0.0
@@ -155,6 +157,8 @@ class Heat(Section):
     def _complete(self):
         if self.ambient_transfer > 0 and self.ambient_temperature is None:
             raise ValueError("ambient_transfer needs ambient_temperature")
+        if self.nuclei > 0 and not self.refreeze:
+            raise ValueError("nuclei are bodies that freeze out of the liquid: set refreeze = true, or nuclei = 0")
         paper = self.law == "paper"
         if self.conductivity is None:
             self.conductivity = 10.0 if paper else 0.56
@@ -214,6 +218,16 @@ class Scene(Section):
             raise ValueError(
                 f"fluid.freezes_to = {self.fluid.freezes_to!r} is no solid's material; there are {materials}"
             )
+        never = [solid.material for solid in self.solid if not math.isfinite(solid.melting_point)]
+        if self.fluid.freezes_to in never:
+            raise ValueError(
+                f"fluid.freezes_to = {self.fluid.freezes_to!r} never melts, so no liquid freezes to it: give it a melting_point"
+            )
+        if self.heat is not None and self.heat.nuclei > 0:
+            if len(never) == len(self.solid):
+                raise ValueError(
+                    "heat.nuclei needs to know what the liquid becomes: add a [[solid]] that melts, whose material it takes"
+                )
         for k, nozzle in enumerate(self.inflow):
             nozzle.name = nozzle.name or f"inflow {k}"
         for kind in (self.solid, self.inflow):

@@ -3,9 +3,11 @@
 ``do.settings``: ``heat_solver`` (see `SOLVERS`, or ``auto``), ``heat_substeps`` (a number, or
 ``auto``: as many as bring the Fourier number to 0.5), ``fourier_number`` (of the whole step, see
 `fourier_number`), and of cg ``heat_tolerance``, ``heat_iterations``.
-``do.need``: ``latent``, ``heaters``, ``ambient``.
+``do.need``: ``latent``, ``heaters``, ``ambient``, ``thermostats`` (walls or heaters of fixed temperature).
+``do.clock.energy_in``: heat brought by heaters, ambient air and what has a fixed temperature [J].
 """
 
+import contextlib
 import math
 
 import numpy as np
@@ -35,21 +37,48 @@ def start_heat(do):
 
 def heat(do, dt):
     """Advance temperature (and latent energy) by dt [s], t^n to t^(n+1)."""
+    properties(do)
+    # where temperatures are held, what flows from there is only seen in what the others gain
+    with source(do, do.need.thermostats):
+        with source(do, do.need.heaters and not do.need.thermostats):
+            if do.need.heaters:
+                do.heat_source(dt=dt)
+        substeps = thermal_substeps(do.settings)
+        solver = chosen_solver(do.settings)
+        if solver != "pairs_coloured":  # that one walks cells, not lists
+            do.heat_conductance()
+        solve = SOLVERS[solver]
+        for _ in range(substeps):
+            solve(do, dt / substeps)
+        if do.need.ambient:
+            do.surface()
+            with source(do, not do.need.thermostats):
+                do.ambient_cooling(dt=dt)
+        if do.need.thermostats:
+            properties(do)  # heaters fix a temperature by C = inf: the ledger needs the real one
+
+
+def properties(do):
+    """Conductivities, heat capacities and enthalpy curves of what is there."""
     do.thermal_properties()
     if do.need.latent:
         do.latent_properties()
-    if do.need.heaters:
-        do.heat_source(dt=dt)
-    substeps = thermal_substeps(do.settings)
-    solver = chosen_solver(do.settings)
-    if solver != "pairs_coloured":  # that one walks cells, not lists
-        do.heat_conductance()
-    solve = SOLVERS[solver]
-    for _ in range(substeps):
-        solve(do, dt / substeps)
-    if do.need.ambient:
-        do.surface()
-        do.ambient_cooling(dt=dt)
+
+
+@contextlib.contextmanager
+def source(do, counts):
+    """Add what the stages inside bring to ``clock.energy_in``, if it ``counts``. Reads back twice then."""
+    before = content(do) if counts else 0.0
+    yield
+    if counts:
+        do.clock.energy_in += content(do) - before
+
+
+def content(do):
+    """Return the heat content of liquids and solids [J], to the last digits: its changes are small."""
+    do.heat_content()
+    pieces = np.asarray(do.read("heat_content"), dtype=np.float64).ravel()
+    return math.fsum(pieces) if np.isfinite(pieces).all() else math.nan
 
 
 def thermal_substeps(settings):

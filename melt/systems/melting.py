@@ -30,13 +30,15 @@ def step(do, dt):
         emit(do, dt)
     for s in range(n_sub):
         search(do)  # line 1-2
+        if s == 0:
+            solidify(do, sub_dt)
         volumes(do)
         do.density()  # line 4, eq (1): rho^n
         do.tait_pressure()  # p^n
         do.boundary_pressure()  # what solids and walls carry in (2')
         forces(do, sub_dt)  # line 5-7: F(x^n, v^(n-1/2))
         if s == 0:
-            change_phase(do)  # line 9-10: tests T^n
+            liquefy(do)  # line 9-10: tests T^n
         if s == n_sub - 1 and need.heat:
             heat(do, dt)  # line 13, eq (4): T^n -> T^(n+1)
         if need.solids:
@@ -53,7 +55,9 @@ def still_step(do, dt):
         search(do)
         volumes(do)
         do.listed = True
-    change_phase(do)
+    if solidify(do, dt):
+        volumes(do)
+    liquefy(do)
     if do.params["heat"].current_volume:  # V = m/rho needs the density of what melted
         volumes(do)
         do.density()
@@ -61,12 +65,22 @@ def still_step(do, dt):
     do.clock.step += 1
 
 
-def change_phase(do):
-    """Melt and freeze, at the scene's cadence."""
+def liquefy(do):
+    """Melt, at the scene's cadence."""
     if do.need.melting and do.clock.step % do.settings.melt_every == 0:
         melt_and_relink(do)
-        if do.need.freezing:
-            freeze(do)
+
+
+def solidify(do, sub_dt):
+    """Freeze, at the scene's cadence; return whether something did.
+
+    Not in the paper. Before the forces, so that what froze is solid in all of them; it was put on its
+    site, so all that follows, heat too, works with lists and distances made anew.
+    """
+    if not do.need.freezing or do.clock.step % do.settings.melt_every != 0 or not freeze(do, sub_dt):
+        return False
+    search(do)
+    return True
 
 
 def search(do):

@@ -14,7 +14,7 @@ def melt_and_relink(do):
     """
     do.melt_test()
     melted = int(do.read("melted").sum())
-    do.note("melted", melted)
+    do.clock.melted += melted
     if melted == 0:
         return
     _take_out(do)
@@ -23,7 +23,7 @@ def melt_and_relink(do):
         crumbs = int(do.read("melted").sum())
         if crumbs > 0:
             _take_out(do)
-        do.note("melted", melted + crumbs)
+        do.clock.melted += crumbs
 
 
 def _take_out(do):
@@ -44,20 +44,27 @@ def _refill(do):
         do.rest_sum()
 
 
-def freeze(do):
-    """Let cold liquid particles take vacant sites beside their bodies (spec 3.4).
+def freeze(do, dt):
+    """Let cold liquid particles take vacant sites beside their bodies, or start bodies (spec 3.4).
 
-    Predictions come from the last shape match: c_r + R_r (X0 - c0_r) of a live neighbour site.
-    Reads back once whether a site was claimed.
+    Sites are where the bodies stand now: c_r + R_r (X0 - c0_r) of a live neighbour site. Returns
+    whether something froze: it stands on its site then, so neighbours must be searched again.
+    Reads back once whether a site was claimed, and once more with nucleation.
     """
-    do.freeze_choice()
+    do.region_match()
+    do.freeze_choice(dt=dt)
     do.freeze_claim()
     frozen = int(do.read("frozen").sum())
-    do.note("frozen", frozen)
+    if do.need.nucleation:
+        do.nucleus_choice()
+        do.nucleus_claim()
+        frozen += int(do.read("nucleated").sum())
+    do.clock.frozen += frozen
     if frozen == 0:
-        return
+        return False
     do.freeze_particles()
     do.freeze_sites()
     do.mark_frozen()
     _refill(do)
     do.components()
+    return True

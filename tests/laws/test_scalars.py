@@ -39,6 +39,7 @@ INTEGERS = {
     "place",
     "i",
     "j",
+    "k",
 }
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {

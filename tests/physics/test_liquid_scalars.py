@@ -19,7 +19,7 @@ def smoothing(real):
     return P.make(P.Smoothing, real, support=0.5, kernel=P.CUBIC, laplacian=P.L_VISC)
 
 
-CONTACT = dict(distance=0.2, stiffness=0.25, damping=0.1, friction=0.2)
+CONTACT = dict(distance=0.2, stiffness=0.25, damping=0.1, friction=0.2, connect=26)
 
 
 def calls(real):

@@ -36,7 +36,7 @@ def lattice(precision="double", **changes):
 def change(precision="double", **changes):
     """Return the Change tuple of the tests: own liquid, no latent heat."""
     real = np.float64 if precision == "double" else np.float32
-    values = dict(own_liquid=1, latent=0, hysteresis=0.5, reach=0.6 * DX, speed=10.0)
+    values = dict(own_liquid=1, latent=0, hysteresis=0.5, reach=0.6 * DX)
     return make(Change, real, **{**values, **changes})
 
 
@@ -59,7 +59,8 @@ class Drive:
         self.lattice = lattice_params or lattice(precision)
         self.params = {"lattice": self.lattice, "change": change_params or change(precision)}
         self.settings = SimpleNamespace(solid_volume="none", crumb=0)
-        self.notes = {}
+        self.need = SimpleNamespace(nucleation=False)
+        self.clock = SimpleNamespace(melted=0, frozen=0)
         w = int(self.lattice.width)
         self.sizes = {
             "particle": n,
@@ -126,9 +127,6 @@ class Drive:
 
     def read(self, name):
         return self.get(name).copy()
-
-    def note(self, name, value):
-        self.notes[name] = value
 
     def heat(self, sites):
         """Make the particles of these sites hot enough to melt, the others cold."""

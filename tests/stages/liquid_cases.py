@@ -57,7 +57,7 @@ TUPLES = dict(
             connect=26,
         ),
     ),
-    contact=(P.Contact, dict(distance=DX, stiffness=0.25, damping=0, friction=0)),
+    contact=(P.Contact, dict(distance=DX, stiffness=0.25, damping=0, friction=0, connect=26)),
     guard=(P.Guard, dict(distance=DX / 2)),
     domain=(P.Domain, dict(lower_x=0, lower_y=0, lower_z=0, upper_x=1, upper_y=1, upper_z=1, delete=1)),
 )

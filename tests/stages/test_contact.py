@@ -114,3 +114,22 @@ def test_coincident_and_empty(backend):
     assert (F == 0).all()
     none = solid_sites(particles(np.zeros((0, 3))), np.zeros((0, 3), int))
     assert force(backend, none).shape == (3, 0)
+
+
+@everywhere
+@pytest.mark.parametrize("connect", [6, 18, 26])
+def test_who_is_inside_and_what_is_near_follow_the_bonds_of_the_scene(backend, connect):
+    """A site with all its bonds takes no part; of one piece, sites within 2 bonds leave each other alone.
+
+    Bonds to the voxel (1, 1, 1): 3, 2, 1 for connect 6, 18, 26; to (2, 1, 1): 4, 2, 2; to (2, 2, 1): 5, 3, 2.
+    """
+    whole = pair("double")
+    whole["site_link_count"][1] = connect + 1
+    assert (force(backend, whole, connect=connect) == 0).all()
+    whole["site_link_count"][1] = connect
+    assert force(backend, whole, connect=connect)[0, 0] == pytest.approx(-PUSH, rel=1e-11)
+    for cell, bonds in (((1, 1, 1), (3, 2, 1)), ((2, -1, 1), (4, 2, 2)), ((-2, 2, 1), (5, 3, 2)), ((0, 3, 0), (3,) * 3)):
+        a = pair("double", component=(0, 0), cells=((0, 0, 0), cell))
+        a["site_link_count"][:] = 2
+        hits = dict(zip((6, 18, 26), bonds))[connect] > 2
+        assert (force(backend, a, connect=connect)[0, 0] != 0) == hits, cell

@@ -10,6 +10,7 @@ from melt.geometry.lattice import lattice_fields
 from melt.systems.topology import build_lattice, freeze, melt_and_relink
 
 BACKENDS = ["reference", "cpu", "cuda"]
+DT = 1e-3  # slow is below 100 m/s
 WATER = -1  # marks in `world`: a liquid particle without a site
 
 
@@ -84,8 +85,8 @@ def check_lattice(do):
 def test_the_nearest_particle_takes_the_site(backend, precision):
     """Site (2,0,0) beside a pair: water at 0.3 dx loses against 0.2 dx, the one at 0.7 dx is too far."""
     do = world(backend, box(2, 1, 1), [[2], [0], [0]], [[2.3, 2.2, 2.7], [0, 0, 0], [0, 0, 0]], precision)
-    freeze(do)
-    assert do.notes["frozen"] == 1
+    freeze(do, DT)
+    assert do.clock.frozen == 1
     assert do["phase"].tolist() == [1, 1, 0, 1, 0]
     assert do["site"].tolist() == [0, 1, -1, 2, -1]
     assert do["site_particle"].tolist() == [0, 1, 3] and do["site_component"].tolist() == [0, 0, 0]
@@ -104,17 +105,17 @@ def test_the_nearest_particle_takes_the_site(backend, precision):
 def test_equal_distances_go_to_the_smaller_id_and_site(backend):
     """Two particles as far from one site: id decides. One between two sites: the smaller site."""
     do = world(backend, box(2, 1, 1), [[2], [0], [0]], [[2, 2], [0.25, -0.25], [0, 0]])
-    do.run("freeze_choice")
+    do.run("freeze_choice", dt=DT)
     do.run("freeze_claim")
     assert do["freeze_site"].tolist() == [-1, -1, 2, 2] and do["claim"].tolist() == [-1, -1, 3]
     do = world(backend, box(1, 2, 1), [[1, 1], [0, 1], [0, 0]], [[1], [0.5], [0]])
-    do.run("freeze_choice")
+    do.run("freeze_choice", dt=DT)
     assert do["freeze_site"][2] == 2
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(
-    "case", ["warm", "exactly cold enough", "fast", "never freezes", "latent left", "all given off"]
+    "case", ["warm", "exactly cold enough", "fast", "just slow enough", "never freezes", "latent left", "all given off"]
 )
 def test_conditions(backend, case):
     latent = case in ("latent left", "all given off")
@@ -123,22 +124,23 @@ def test_conditions(backend, case):
         box(2, 1, 1),
         [[2], [0], [0]],
         [[2.1], [0], [0]],
-        change_params=change(latent=int(latent), speed=1.0),
+        change_params=change(latent=int(latent)),
     )
     t = {"warm": np.nextafter(-0.5, 0), "latent left": 0.0, "all given off": 0.0}.get(case, -0.5)
     do.set(temperature=[-10, -10, t], latent_energy=[0, 0, 1.0 if case == "latent left" else 0.0])
-    if case == "fast":
-        do.set(velocity=np.array([[0, 0, 1.0], [0, 0, 0], [0, 0, 0]]))
+    limit = 0.5 * DX / DT  # half a spacing in the sub-step
+    speed = {"fast": limit, "just slow enough": np.nextafter(limit, 0)}.get(case, 0.0)
+    do.set(velocity=np.array([[0, 0, speed], [0, 0, 0], [0, 0, 0]]))
     if case == "never freezes":
         do.set(material_freezes_to=[-1, -1])
-    freeze(do)
-    assert do.notes["frozen"] == (1 if case in ("exactly cold enough", "all given off") else 0)
+    freeze(do, DT)
+    assert do.clock.frozen == (case in ("exactly cold enough", "just slow enough", "all given off"))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_ambient_liquid_gets_the_mass_of_the_solid(backend):
     do = world(backend, box(2, 1, 1), [[2], [0], [0]], [[2.1], [0], [0]], change_params=change(own_liquid=0))
-    freeze(do)
+    freeze(do, DT)
     assert do["mass"][2] == pytest.approx(900 * DX**3, rel=1e-14) and do["rest_volume"][2] == pytest.approx(
         DX**3
     )
@@ -152,9 +154,9 @@ def test_sites_are_predicted_with_the_body_turned(backend):
     do.set(position=Q @ do["position"] + [[3.0], [1.0], [-2.0]])
     do.region_match()
     neighbours(do)
-    do.run("freeze_choice")
+    do.run("freeze_choice", dt=DT)
     assert do["freeze_site"][12] == 12 and do["freeze_distance"][12] == 0
-    freeze(do)
+    freeze(do, DT)
     do.region_match()
     do.goal()
     assert np.abs(do["goal"]).max() <= 1e-12
@@ -166,7 +168,7 @@ def test_another_body_is_not_relinked(backend):
     """A site of body 0 in a voxel next to body 1: frozen, it bonds with body 0 only."""
     solid = [[0, 1, 3, 4], [0] * 4, [0] * 4]
     do = world(backend, solid, [[2], [0], [0]], [[2.0], [0], [0]], body=[0, 0, 1, 1, 0])
-    freeze(do)
+    freeze(do, DT)
     assert do["site_component"].tolist() == [0, 0, 2, 2, 0]
     check_lattice(do)
 
@@ -184,18 +186,19 @@ def test_melt_and_freeze_again_restores_the_lattice():
     do.heat(gone)
     do.set(material_freezes_to=[-1, 0])
     melt_and_relink(do)
-    assert do.notes["melted"] > 5
+    assert do.clock.melted > 5
     do.region_match()
     neighbours(do)
-    freeze(do)  # still hot: nothing happens
-    assert do.notes["frozen"] == 0
+    freeze(do, DT)  # still hot: nothing happens
+    assert do.clock.frozen == 0
     do.set(temperature=np.full(64, -0.4))
-    freeze(do)  # within the hysteresis: nothing happens
-    assert do.notes["frozen"] == 0
+    freeze(do, DT)  # within the hysteresis: nothing happens
+    assert do.clock.frozen == 0
+    melted = do.clock.melted
     melt_and_relink(do)
-    assert do.notes["melted"] == 0
+    assert do.clock.melted == melted
     do.set(temperature=np.full(64, -0.5))
-    freeze(do)
+    freeze(do, DT)
     for name, value in before.items():
         assert (
             np.array_equal(do[name], value) if value.dtype.kind == "i" else do[name] == pytest.approx(value)
@@ -214,7 +217,7 @@ def test_a_stranger_takes_a_melted_site(backend):
     do.set(position=x, temperature=[-10, -10, 50, -5])
     do.region_match()
     neighbours(do)
-    freeze(do)
+    freeze(do, DT)
     assert do["phase"].tolist() == [1, 1, 0, 1] and do["site"].tolist() == [0, 1, -1, 2]
     assert do["site_particle"].tolist() == [0, 1, 3]
 
@@ -236,9 +239,9 @@ def test_random_freezing_on_every_backend(connect, refill):
                 water,
                 lattice_params=lattice(connect=connect, refill=refill, width=w),
             )
-            freeze(do)
+            freeze(do, DT)
             runs.append(do)
-            assert do.notes["frozen"] > 5
+            assert do.clock.frozen > 5
             check_lattice(do)
     for do in runs[2:]:
         for name in ("phase", "site", "claim", "freeze_site", "freeze_distance", "site_particle", "mass"):

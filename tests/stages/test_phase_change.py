@@ -72,7 +72,7 @@ def test_hot_cube_loses_one_layer_per_step(backend):
         melt_and_relink(do)
         live.append(int((do["phase"] == 1).sum()))
         assert live[-1] == (do["site_link_count"] > 0).sum() == (do["site_component"] >= 0).sum()
-        assert do.notes["melted"] == live[-2] - live[-1]
+        assert do.clock.melted == 343 - live[-1]
     assert live == [343, 125, 27, 1, 0]
     assert (do["site_region"] == -1).all() and (do["region_mass"] == 0).all()
     do.region_match()
@@ -107,7 +107,7 @@ def test_crumbs_melt_with_the_rest(backend):
     do.settings.crumb = 4
     do.heat([27])
     melt_and_relink(do)
-    assert do.notes["melted"] == 3
+    assert do.clock.melted == 3
     assert np.flatnonzero(do["phase"] == 0).tolist() == [27, 28, 29]
     assert (do["site_component"][:27] == 0).all() and (do["site_component"][27:] == -1).all()
     assert do.members(28) == []
@@ -117,4 +117,4 @@ def test_crumbs_melt_with_the_rest(backend):
 def test_no_sites_is_legal(backend):
     do = built(backend, np.zeros((3, 0), int))
     melt_and_relink(do)
-    assert do.notes["melted"] == 0
+    assert do.clock.melted == 0

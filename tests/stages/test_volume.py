@@ -5,6 +5,7 @@ import pytest
 from liquid_cases import DX, both, box, everywhere, particles, run, solid_sites, tolerance
 
 from melt import params as P
+from melt.geometry.lattice import links
 from melt.reference._pairs import W
 
 V0 = DX**3
@@ -123,3 +124,21 @@ def test_empty(backend):
     a = solid_sites(particles(np.zeros((0, 3))), np.zeros((0, 3), int))
     for stage in ("liquid_volume", "rest_sum", "solid_volume_rest", "solid_volume_akinci"):
         assert all(v.size == 0 for v in run(stage, backend, a).values())
+
+
+@everywhere
+@pytest.mark.parametrize("connect, left", [(6, 27), (18, 26), (26, 24)])
+def test_shell_follows_the_bonds_of_the_scene(backend, connect, left):
+    """A cube of 5^3 has 27 sites with all bonds. Without its edge site (0, 0, 2) they are fewer:
+
+    that one is no neighbour of an inner site by a face, one of (1, 1, 2) by an edge, one of
+    (1, 1, 1) and (1, 1, 3) by a corner.
+    """
+    a, cells = body(5, "double")
+    taken = np.ones(125, bool)
+    for inside in (27, left):
+        table = links(cells.T, np.zeros(125, int), taken, connect)
+        a["site_link_count"] = (table >= 0).sum(axis=1).astype(np.int32)
+        V = run("solid_volume_akinci", backend, a, solid_volume=P.VOLUME_SHELL, connect=connect)["volume"]
+        assert (V[taken] == 0).sum() == inside
+        taken[(cells == (0, 0, 2)).all(axis=1)] = False

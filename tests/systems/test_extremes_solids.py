@@ -32,7 +32,7 @@ def test_a_sheet_melts_whole_in_one_step(sections, tmp_path):
     path = tmp_path / "run.vtkhdf"
     thin = scene(solid=SHEET, **sections)
     sim = stepped(thin, 1)
-    assert sim.series()["solid_particles"] == 0 and sim.do.notes["melted"] == 16
+    assert sim.series()["solid_particles"] == 0 and sim.do.clock.melted == 16
     for name, vacant in (("site_component", -1), ("site_link_count", 0), ("site_region_count", 0)):
         assert (sim.state.read(name)[:16] == vacant).all()
     assert (sim.state.read("site_particle") == -1).all()
