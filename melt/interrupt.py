@@ -1,26 +1,48 @@
-"""Ctrl-C ends a run after the step that is under way."""
+"""Ctrl-C and SIGTERM end a run after the step that is under way."""
 
 import contextlib
 import signal
 from types import SimpleNamespace
 
 
+class Terminated(KeyboardInterrupt):
+    """SIGTERM came where nothing waits for the end of a step: files are closed on the way out, as on Ctrl-C."""
+
+
 @contextlib.contextmanager
 def asked_to_stop():
-    """Yield an object whose ``asked`` turns true with the first Ctrl-C; the second one does not wait."""
-    stop = SimpleNamespace(asked=False)
+    """Yield an object whose ``asked`` turns into the signal's number with the first one; the second does not wait."""
+    stop = SimpleNamespace(asked=0)
 
     def ask(signum, frame):
         if stop.asked:
-            raise KeyboardInterrupt
-        stop.asked = True
+            raise KeyboardInterrupt if signum == signal.SIGINT else Terminated
+        stop.asked = int(signum)
 
-    try:
-        previous = signal.signal(signal.SIGINT, ask)
-    except ValueError:  # not in the main thread: the caller handles Ctrl-C
+    with _handled(ask, signal.SIGINT, signal.SIGTERM):
         yield stop
-        return
+
+
+@contextlib.contextmanager
+def terminable():
+    """Let SIGTERM raise `Terminated`, so that a command ends by it as by Ctrl-C."""
+
+    def end(signum, frame):
+        raise Terminated
+
+    with _handled(end, signal.SIGTERM):
+        yield
+
+
+@contextlib.contextmanager
+def _handled(handler, *signals):
+    """Handle signals in the main thread; elsewhere the caller does."""
+    previous = {}
     try:
-        yield stop
+        with contextlib.suppress(ValueError):
+            for number in signals:
+                previous[number] = signal.signal(number, handler)
+        yield
     finally:
-        signal.signal(signal.SIGINT, previous)
+        for number, old in previous.items():
+            signal.signal(number, signal.SIG_DFL if old is None else old)  # None: not set from Python

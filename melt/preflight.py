@@ -7,14 +7,19 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from melt.constants import lattice_density, lattice_offsets
+from melt.forecast import forecast
 from melt.geometry.build import build
 from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
 from melt.plan import prepare
 from melt.stages import STAGES
-from melt.systems.melting import step_limits
+from melt.systems.melting import over_limit, step_limits
 
-#: Rough wall time per particle and sub-step on two cores [s]: a forecast, within a factor of two.
-SECONDS_PER_PARTICLE = {"single": 0.25e-6, "mixed": 0.35e-6, "double": 0.45e-6}
+#: Why a bound is small, and what moves it.
+WHY = {
+    "sound": ": the sound speed of {0.sound_speed:.3g} m/s keeps compression within fluid.compression; a larger one is faster",
+    "viscosity": ": the viscosity; a coarser domain.spacing is faster",
+    "light solid": ": a solid far lighter than the liquid",
+}
 
 
 class Finding(NamedTuple):
@@ -64,14 +69,14 @@ def plan(scene, precision=None, initial=None):
     return Plan(scene, initial, prepared, findings(scene, initial, prepared), limits(prepared))
 
 
-def limits(prepared):
-    """Return {bound: seconds} of the mechanical sub-step at the start."""
+def limits(prepared, speed=0.0):
+    """Return {bound: seconds} of the mechanical sub-step at the start, with ``speed`` [m/s] the largest."""
 
     class Start:  # a binder at t = 0, as far as `step_limits` looks
         settings = prepared.settings
 
         class clock:
-            max_speed = max_acceleration = 0.0
+            max_speed, max_acceleration = speed, 0.0
 
     return step_limits(Start)
 
@@ -159,15 +164,22 @@ def _resolution(scene, initial, prepared):
 def _sub_steps(scene, initial, prepared):
     if not scene.solver.motion:
         return []
-    bounds = limits(prepared)
+    # the jets of an inflow are not there yet, but will be
+    speed = max([initial.top_speed, *(nozzle.speed for nozzle in scene.inflow)])
+    bounds = limits(prepared, speed)
     governing = min(bounds, key=bounds.get)
     s, dt = prepared.settings, scene.time.dt
-    if s.n_sub is not None and dt / s.n_sub > 1.0001 * bounds[governing]:
+    if s.n_sub is not None:
+        text, fix = over_limit(s, dt, bounds)
+        return [Finding("warning", text, fix)] if text else []
+    wanted = math.ceil(dt / bounds[governing] * (1 - 1e-9))
+    if wanted > s.n_sub_max:
         return [
             Finding(
                 "warning",
-                f"time.n_sub = {s.n_sub} makes sub-steps of {dt / s.n_sub:.3g} s, the bound '{governing}' allows {bounds[governing]:.3g} s",
-                f"time.n_sub = {math.ceil(dt / bounds[governing])}, or 'auto'",
+                f"the bound '{governing}' allows sub-steps of {bounds[governing]:.3g} s, {wanted} of them in dt = {dt:g} s, but "
+                f"time.n_sub_max is {s.n_sub_max}: the run will stop there",
+                "lower time.dt, raise time.n_sub_max, or lower fluid.sound_speed",
             )
         ]
     return []
@@ -227,17 +239,19 @@ def _fields(p):
 
 def _forecast(p):
     scene, n = p.scene, p.initial["id"].size
-    sub = 1
+    expected = forecast(scene, p.initial, p.prepared)
     if scene.solver.motion:
         governing = min(p.limits, key=p.limits.get)
-        sub = p.prepared.settings.n_sub or max(1, math.ceil(scene.time.dt / p.limits[governing]))
         for name, seconds in sorted(p.limits.items(), key=lambda item: item[1]):
             yield f"time step bound {name:<12}{seconds:.4g} s{'   <- governs' if name == governing else ''}"
-        yield f"sub-steps per outer step at the start: {sub}"
-    seconds = n * sub * scene.time.steps * SECONDS_PER_PARTICLE[p.prepared.precision]
+        yield f"sub-steps per outer step at the start: {expected.sub_steps}"
+        if p.prepared.settings.n_sub is None:
+            why = WHY.get(governing, "").format(p.prepared.settings, dt=scene.time.dt)
+            yield f"  {scene.time.dt:g} s / {p.limits[governing]:.3g} s{why}"
     frame = sum(
         8 if f == "id" else 4 * (3 if f in ("position", "velocity") else 1)
         for f in ("id", "position", "velocity", "pressure")
     )
-    files = (scene.time.steps // scene.time.output_steps + 1) * n * frame
-    yield f"rough forecast on 2 cores: {seconds:,.0f} s for {scene.time.steps:,} steps, {files / 1e6:,.0f} MB of output at most"
+    written = n if scene.output.walls else n - p.initial.counts["wall"]
+    files = (scene.time.steps // scene.time.output_steps + 1) * written * frame
+    yield f"forecast on CPU: {expected.text}; {scene.time.steps:,} steps, {files / 1e6:,.0f} MB of output at most"

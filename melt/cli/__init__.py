@@ -1,5 +1,6 @@
 """The command line: parse, call the library, print. Each command imports what it needs when it runs."""
 
+import os
 import sys
 import traceback
 
@@ -8,9 +9,11 @@ from rich.console import Console
 from typer.core import TyperGroup
 
 from melt.errors import MeltError
+from melt.interrupt import Terminated, terminable
 
-#: Exit codes: 1 an error the user can mend, 2 wrong usage, 3 a check found differences, 70 a fault of melt.
-FAILED, DIFFERENT, INTERNAL, INTERRUPTED = 1, 3, 70, 130
+#: Exit codes: 1 an error the user can mend, 2 wrong usage, 3 a check found differences, 70 a fault of melt,
+#: 130 stopped by Ctrl-C, 143 by SIGTERM (128 + the signal).
+FAILED, DIFFERENT, INTERNAL, INTERRUPTED, TERMINATED = 1, 3, 70, 130, 143
 
 
 class Melt(TyperGroup):
@@ -24,11 +27,16 @@ class Melt(TyperGroup):
     def invoke(self, ctx):
         """Run the command; turn errors into a message and an exit code."""
         try:
-            return super().invoke(ctx)
+            with terminable():
+                return super().invoke(ctx)
         except (typer.Exit, typer.Abort):
             raise
-        except KeyboardInterrupt:
-            code, text, trace = INTERRUPTED, "stopped; files hold all completed frames", ""
+        except BrokenPipeError:  # the reader (head, less) has enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the last flush would complain
+            raise typer.Exit(0) from None
+        except KeyboardInterrupt as error:
+            code = TERMINATED if isinstance(error, Terminated) else INTERRUPTED
+            text, trace = "stopped; files hold all completed frames", ""
         except Exception as error:
             if _is_usage(error):
                 raise
@@ -65,8 +73,8 @@ def _options(debug: bool = typer.Option(False, "--debug", help="Show tracebacks 
 
 
 def console():
-    """Return the console for results (stdout; plain text when it is not a terminal)."""
-    return Console(file=sys.stdout, width=None if sys.stdout.isatty() else 200, highlight=False)
+    """Return the console for results (stdout; plain text, lines never cut or folded, when it is not a terminal)."""
+    return Console(file=sys.stdout, width=None if sys.stdout.isatty() else 10_000, highlight=False)
 
 
 def main():

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from melt.cli import INTERRUPTED, app
+from melt.cli import app
 from melt.cli.options import Backend, Overrides, Precision, Preset, Quiet, RunPath, SceneName, Threads
 from melt.cli.progress import RunProgress
 from melt.errors import MeltError
@@ -82,18 +82,18 @@ def resume(
 
 
 def _end(result, progress, output, lockstep):
-    """Say what came out of a run; Ctrl-C gives the exit code of an interrupted command."""
+    """Say what came out of a run; Ctrl-C and SIGTERM give the exit code of an interrupted command."""
     rate = progress.rate()
     progress.say(
         f"{output}: {progress.frames} frames, t = {result.simulation.time:.4g} s, "
-        f"{result.seconds:.1f} s wall{f', {rate}' if rate else ''}"
+        f"{progress.walls(result)}{f', {rate}' if rate else ''}"
     )
     if lockstep:
         for (stage, field), found in sorted(result.simulation.do.worst.items()):
             progress.say(f"  {stage}.{field}: {found.ratio:.3g} of the tolerance")
     if result.interrupted:
         progress.say(f"stopped as asked: the file is whole; continue with melt resume {output}")
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(128 + int(result.interrupted))
 
 
 def _seconds(text):

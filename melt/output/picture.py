@@ -40,8 +40,13 @@ class Painter:
         if self.spacing is None:
             self.spacing = surface_mesh.spacing_of(self._first())
         low, high = self.bounds = self._bounds()
+        # a box not much larger than what moves in it is drawn, and whole
+        self.boxed = self.box is not None and bool(
+            np.all(self.box[1] - self.box[0] <= 1.6 * (high - low) + 4 * self.spacing)
+        )
+        seen = (np.minimum(low, self.box[0]), np.maximum(high, self.box[1])) if self.boxed else (low, high)
         self.camera = cameras.fit(
-            low, high, view, *size, right=0.12 if self.colouring.field != "phase" else 0.0
+            *seen, view, *size, right=0.12 if self.colouring.field != "phase" else 0.0
         )
         self._stage = None
 
@@ -59,9 +64,7 @@ class Painter:
     def _build_stage(self):
         low, high = self.bounds
         stage = Stage(self.camera, low, high, self.spacing)
-        if self.box is not None and np.all(
-            self.box[1] - self.box[0] <= 1.6 * (high - low) + 4 * self.spacing
-        ):
+        if self.boxed:
             canvas = Image.fromarray((stage.backdrop * 255).astype(np.uint8))
             edges(ImageDraw.Draw(canvas), stage.camera, *self.box)
             stage.backdrop = np.asarray(canvas).astype(np.float32) / 255
