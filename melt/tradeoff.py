@@ -13,6 +13,9 @@ import h5py
 import numpy as np
 
 from melt.errors import MeltError
+from melt.forecast import forecast
+from melt.geometry.build import build
+from melt.plan import prepare
 from melt.scene import load_scene
 from melt.simulation import Simulation
 
@@ -156,6 +159,19 @@ def knobs_of(scene):
     return knobs
 
 
+def expected(scenes, steps):
+    """Return how many runs there are and about how long they take together, in words."""
+    seconds = 0.0
+    for scene in scenes:
+        initial = build(scene)
+        seconds += forecast(scene, initial, prepare(scene, initial), steps).seconds
+    long = f"{seconds:,.0f} s" if seconds < 120 else f"{seconds / 60:,.0f} min"
+    return (
+        f"{len(scenes)} runs, about {long} together on 2 free cores; what is not cached compiles first, "
+        "one to two minutes for each precision and a few seconds for a new solver"
+    )
+
+
 def run(name, out=None, steps=None, knobs=None, say=print):
     """Sweep a scene; print one line per point; write HDF5 and a plot if ``out`` (a .h5 path) is given.
 
@@ -165,14 +181,16 @@ def run(name, out=None, steps=None, knobs=None, say=print):
     scene = load_scene(name)
     steps = steps or min(scene.time.steps, 100)
     reference = [o for o in REFERENCE if (scene.heat or not o.startswith("heat"))]
+    knobs = knobs or knobs_of(scene)
     say(f"{name}: {steps} outer steps of {scene.time.dt:g} s; reference run: {', '.join(reference)}")
+    say(expected([load_scene(name, overrides) for overrides in (reference, *(k[2] for k in knobs))], steps))
     truth, ms, n_sub, _ = sample(load_scene(name, reference), steps)
     errors = [e for e in truth]
     header = "".join(f"{e:>20}" for e in errors)
     say(f"{'knob':<16}{'value':<20}{'ms/step':>9}{'n_sub':>6}{'nbrs':>6}{header}")
     say(f"{'reference':<16}{'':<20}{ms:>9.2f}{n_sub:>6}")
     points = []
-    for knob, value, overrides in knobs or knobs_of(scene):
+    for knob, value, overrides in knobs:
         try:
             curves, ms, n_sub, neighbours = sample(load_scene(name, overrides), steps)
             point = Point(knob, value, ms, n_sub, neighbours, error_of(curves, truth))

@@ -7,6 +7,12 @@ from melt.output.run_reader import open_run
 from melt.physics.phases import PHASE_NAMES
 
 
+#: What a value does not say by its name.
+MEANING = {
+    "last mass_created": " (what melts keeps its volume and takes the liquid's density: solver.melt_to = water; own keeps mass)"
+}
+
+
 def describe(run_path):
     """Return [(label, text)] about a run file.
 
@@ -23,7 +29,7 @@ def describe(run_path):
         rows += [
             (
                 name.replace("_", " "),
-                f"{values[-1]:.6g}" + (f" {unit}" if unit != "1" else "") if len(values) else "",
+                _value(values[-1], unit) + MEANING.get(name, "") if len(values) else "",
             )
             for name, values, unit in _last_values(run)
         ]
@@ -66,6 +72,10 @@ def _last_values(run):
     stages = [v for name, v in run.series.items() if name.startswith("ms/")]
     if stages and len(run):
         yield "last ms of all stages", np.nansum(stages, axis=0), "ms"
+
+
+def _value(value, unit):
+    return f"{value:.6g}" + (f" {unit}" if unit != "1" else "")
 
 
 def _bytes(size):

@@ -1,0 +1,58 @@
+"""What README.md says is so: its Python runs, its relative links lead somewhere, its scene and commands are known."""
+
+import pathlib
+import re
+
+import pytest
+
+import melt
+
+ROOT = pathlib.Path(melt.__file__).parents[1]
+README = ROOT / "README.md"
+TEXT = README.read_text() if README.exists() else ""
+pytestmark = pytest.mark.skipif(not TEXT, reason="no README.md beside the package: melt is installed")
+
+
+def blocks(language):
+    return re.findall(rf"^```{language}\n(.*?)^```", TEXT, re.S | re.M)
+
+
+@pytest.mark.parametrize("number", range(len(blocks("python"))))
+def test_python_block_runs(number, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(compile(blocks("python")[number], f"README.md, python block {number}", "exec"), {})
+
+
+def test_there_is_python_to_run():
+    assert blocks("python")
+
+
+def test_relative_links_exist():
+    links = re.findall(r"\]\(([^)#\s]+)", TEXT)
+    relative = [link for link in links if "://" not in link]
+    assert relative
+    missing = [link for link in relative if not (ROOT / link).exists()]
+    assert not missing, missing
+
+
+def test_files_named_in_code_exist():
+    named = set(re.findall(r"`((?:melt|docs)/[\w/]+\.\w+)`", TEXT))
+    assert named
+    assert not [name for name in named if not (ROOT / name).exists()]
+
+
+def test_scene_is_valid():
+    from melt.scene import scene_from_toml
+
+    for text in blocks("toml"):
+        scene_from_toml('[scene]\nname = "readme"\n' + text)
+
+
+def test_commands_are_known():
+    import typer
+
+    from melt.cli import app
+
+    known = set(typer.main.get_command(app).commands)
+    named = set(re.findall(r"`melt ([a-z]+)", TEXT))
+    assert named and named <= known, named - known
