@@ -41,6 +41,7 @@ class Plain:
         self.need, self.settings = need, settings
         self.clock = clock or new_clock()
         self.notes = {}
+        self.warning = ""  # why the last step may be unstable
         self.listed = False  # neighbour lists are valid for good (nothing moves)
         self.launches = {}
         self._real = REAL[state.precision]

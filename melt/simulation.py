@@ -69,7 +69,7 @@ class Simulation:
             if name in self.state:
                 self.state.set(name, values)
         self._timed_from = self._notes_from = 0
-        self.lost_told = False
+        self.lost_told = self.limit_told = False
         self._fingerprint = checkpoint.fingerprint(self.scene.to_toml())
         clock = self.do.clock
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
@@ -222,6 +222,7 @@ def run(
         for finding in findings(scene, initial, sim.prepared):
             if finding.level == "warning" or finding.text in initial.notes:
                 say("warning", message=finding.advice)
+                sim.limit_told |= finding.text.startswith("time.n_sub =")
         if writer:
             _append(writer, sim, say)
         return _loop(sim, writer, say, end)
@@ -287,6 +288,9 @@ def _loop(sim, writer, say, end):
             step = sim.do.clock.step
             if sim.do.notes.get("inflow_stopped") == step:
                 say("warning", message=f"t = {sim.time:.4g} s: all slots are taken, the inflow stopped")
+            if sim.do.warning and not sim.limit_told:
+                sim.limit_told = True
+                say("warning", message=f"t = {sim.time:.4g} s: {sim.do.warning}")
             say("step", step=step, time=sim.time, n_sub=sim.do.notes.get("n_sub", 0))
             if writer and (step % t.output_steps == 0 or step == total):
                 _append(writer, sim, say)

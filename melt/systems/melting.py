@@ -238,7 +238,21 @@ def sub_steps(do, dt):
     do.note("n_sub", n_sub)
     do.note("governing_bound", "given" if s.n_sub else governing)
     do.note("step_over_limit", dt / n_sub / limits[governing])  # above 1 a given n_sub is too small
+    do.warning = ". Fix: ".join(filter(None, over_limit(s, dt, limits))) if s.n_sub else ""
     return n_sub, dt / n_sub
+
+
+def over_limit(settings, dt, limits):
+    """Return (what is wrong, remedy) of a given n_sub whose sub-steps exceed a bound; ("", "") if none does."""
+    governing = min(limits, key=limits.get)
+    n_sub, most = settings.n_sub, limits[governing]
+    if dt / n_sub <= 1.0001 * most:
+        return "", ""
+    return (
+        f"time.n_sub = {n_sub} makes sub-steps of {dt / n_sub:.3g} s, the bound '{governing}' allows {most:.3g} s: the run may burst",
+        f"time.n_sub = {math.ceil(dt / most * (1 - 1e-9))}, or 'auto'"
+        + (f", or a fluid.sound_speed below {settings.sound_speed:.3g} m/s" if governing == "sound" else ""),
+    )
 
 
 def keep_bounds(do):

@@ -36,6 +36,7 @@ def pose(sim):
     ids = sim.state.read("id")
     solid = sim.state.read("phase") == 1
     X, x = sim.initial["position"][:, ids[solid]], sim.state.read("position")[:, solid]
+    X[:, ids[solid] == 0] = [[8.5 * DX], [6.5 * DX], [6.5 * DX]]  # where the drop (id 0) froze
     X0, x0 = X.mean(axis=1), x.mean(axis=1)
     R = Rotation.align_vectors((x.T - x0), (X.T - X0))[0].as_matrix()
     return R, X0, x0, np.abs(R @ (X - X0[:, None]) + x0[:, None] - x).max()
@@ -95,6 +96,10 @@ def test_what_froze_is_where_its_body_is_now(backend, baseline):
     assert sim.series()["mass_created"] == pytest.approx(0, abs=1e-11)
     for name in ("fluid_force", "heat_pairs_coloured"):
         lists_are_true(seen[name])
+    for _ in range(20):  # and it stays there
+        sim.step()
+    assert all_finite(sim) and sim.series()["solid_particles"] == 28
+    assert pose(sim)[3] < 0.05 * DX
 
 
 def lists_are_true(a):
@@ -103,3 +108,67 @@ def lists_are_true(a):
     near = (d < 2.5 * DX) & ~np.eye(len(d), dtype=bool)
     for i in range(len(d)):
         assert a["neighbour_index"][i, : a["neighbour_count"][i]].tolist() == np.flatnonzero(near[i]).tolist()
+
+
+@pytest.mark.parametrize("motion", [True, False])
+@pytest.mark.parametrize("nuclei", [0, 1, 30])
+def test_cold_liquid_far_from_solids_starts_bodies(motion, nuclei):
+    """A supercooled pool whose only solid floats elsewhere: bodies start, grow on their sites, and no site has two."""
+    pool = scene(
+        time={"end": 1.0},
+        domain={"upper": [2.4, 1.2, 1.2], "gravity": [0, 0, 0]},
+        fluid={"temperature": -5.0, "fill": [box((0, 0, 0), (6, 6, 6))]},
+        solid=[box((10, 2, 2), (1, 1, 1), name="seed")],
+        heat={"refreeze": True, "nuclei": nuclei, "freeze_layers": 1, "conductivity": 0},
+        solver={"motion": motion, "melt_to": "own", "density_form": "volume", "precision": "double"},
+    )
+    pool = pool.model_copy(update={"fluid": pool.fluid.model_copy(update={"freezes_to": "seed"})})
+    sim = Simulation(pool, "cpu")
+    mass = sim.series()["mass"]
+    sim.step()
+    first = sim.series()["frozen"]
+    x, solid = sim.read("position"), sim.read("phase") == 1
+    d = np.linalg.norm(x[solid][:, None] - x[solid][None], axis=2) + 9 * np.eye(solid.sum())
+    assert (first <= nuclei and d.min() >= 2.4 * DX) and (first > 0) == (nuclei > 0)
+    for _ in range(4):
+        sim.step()
+    s = sim.series()
+    assert s["solid_particles"] == 1 + s["frozen"] and all_finite(sim)
+    assert s["mass"] == pytest.approx(mass, rel=1e-13)
+    if nuclei:
+        assert s["frozen"] > 3 * first
+    sites = sim.state.read("site")[sim.state.read("phase") == 1]
+    assert np.unique(sites).size == sites.size
+    body, live = sim.state.read("site_body"), sim.state.read("site_link_count") > 0
+    assert live.sum() == sites.size and 1 + first <= np.unique(body[live]).size <= 1 + nuclei
+
+
+def test_refusals():
+    with pytest.raises(SceneError, match="set refreeze = true, or nuclei = 0"):
+        scene(heat={"nuclei": 3})
+    with pytest.raises(SceneError, match="add a .*solid.* that melts"):
+        scene(heat={"nuclei": 3, "refreeze": True}, solid=[])
+    with pytest.raises(SceneError, match="'stone' never melts, so no liquid freezes to it: give it a melting_point"):
+        scene(
+            heat={"refreeze": True},
+            fluid={"freezes_to": "stone"},
+            solid=[box((1, 1, 3), (2, 2, 2), name="stone", melting_point="never")],
+        )
+
+
+def test_water_freezes_to_the_first_solid_that_melts():
+    """A stone before the ice: with its melting point of inf all water near it would be cold enough."""
+    sim = stepped(
+        scene(
+            fluid={"temperature": -5.0},
+            heat={"refreeze": True},
+            solid=[
+                box((0, 0, 2), (2, 2, 2), name="stone", melting_point="never"),
+                box((2, 2, 3), (2, 2, 2), name="ice"),
+            ],
+        ),
+        1,
+    )
+    assert sim.initial["material_freezes_to"].tolist() == [2, -1, -1]
+    assert set(sim.read("material")[sim.read("phase") == 1]) == {1, 2}
+    assert (sim.read("material") == 1).sum() == 8
