@@ -174,9 +174,7 @@ class Simulation:
         self.do.notes, self._notes_from = dict(meta["notes"]), meta["notes_from"]
 
 
-_OUTPUT = {
-    "id", "phase", "material", "position", "velocity", "density", "pressure", "temperature", "latent_energy",
-}
+_OUTPUT = set("id phase material position velocity density pressure temperature latent_energy".split())
 
 
 def run(
