@@ -6,7 +6,6 @@ from melt.output.checkpoint import beside
 from melt.output.run_reader import open_run
 from melt.physics.phases import PHASE_NAMES
 
-
 #: What a value does not say by its name.
 MEANING = {
     "last mass_created": " (what melts keeps its volume and takes the liquid's density: solver.melt_to = water; own keeps mass)"

@@ -177,3 +177,17 @@ def test_info(tmp_path):
     assert rows["last ms of all stages"] == "2 ms" and rows["melt"] == "0"
     with RunWriter(tmp_path / "b.vtkhdf", "[scene", {}):
         assert dict(describe(tmp_path / "b.vtkhdf"))["frames"] == "none yet"
+
+
+@pytest.mark.parametrize("view", list(VIEWS))
+def test_domain_box_that_is_drawn_fits_whole_into_the_picture(tmp_path, view):
+    scene = "[domain]\nlower = [0, 0, 0]\nupper = [2.8, 2.4, 3.2]\nspacing = 0.2\n"
+    low = [[0.1, 0.1, 0.1], [2.7, 2.3, 1.9], [1.4, 1.2, 0.5]]
+    frame = {"id": np.arange(3, dtype=np.int32), "position": np.array(low, np.float32)}
+    with RunWriter(tmp_path / "box.vtkhdf", scene, {}) as writer:
+        writer.append(0.0, frame)
+    painter = Painter(open_run(tmp_path / "box.vtkhdf"), size=(640, 360), view=view)
+    assert painter.boxed
+    corners = np.array([[painter.box[b][k] for k, b in enumerate(bits)] for bits in np.ndindex(2, 2, 2)])
+    pixels = painter.camera.pixels(corners)
+    assert (pixels >= 0).all() and (pixels <= [640, 360]).all()

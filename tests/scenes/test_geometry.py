@@ -203,7 +203,7 @@ def test_material_table_in_water_and_own_mode():
     assert water.materials == ["liquid", "red", "green", "blue", "yellow"]
     assert water["material_melts_to"].tolist() == [0, 0, 0, 0, 0]
     assert water["material_freezes_to"].tolist() == [1, -1, -1, -1, -1]
-    assert water["material_conductivity"] == pytest.approx([0.1, 0.5, 0.5, 0.5, 0.5])
+    assert water["material_conductivity"] == pytest.approx([0.008, 0.04, 0.04, 0.04, 0.04])
     own = build(load_scene("four_densities_small", ["heat.refreeze=true"], "physical"))
     assert own.materials[:3] == ["liquid", "red", "red melt"]
     assert own["material_melts_to"].tolist() == [0, 2, 2, 4, 4, 6, 6, 8, 8]
