@@ -133,6 +133,10 @@ def params_of(scene, particles, sound_speed, real):
     }
     if scene.heat is not None:
         tuples["heat"], tuples["change"] = heat_of(scene, real), change_of(scene, real)
+    if not np.isfinite(real(dx / scene.time.dt)):
+        raise InputError(
+            f"time.dt = {scene.time.dt:g} s is too small for {np.dtype(real).name}: raise it, or set solver.precision = 'double'"
+        )
     for kind, constants in tuples.items():
         for name, value in getattr(constants, "_asdict", dict)().items():
             if not np.isfinite(value):
