@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 from melt.systems.heat import chosen_solver, thermal_substeps
 
-#: Seconds, measured on two cores (small scenes of 2 000 to 14 000 particles, ice_cube of 69 000), single precision.
+#: Seconds, measured on two cores (small scenes of 2 000 to 14 000 particles, ice_cube of 69 000), mixed precision.
 LAUNCH = 40e-6  # of a stage: Python, waking the threads, a share of the frames; rules below 10^4 particles
 MOBILE, WALL = 0.45e-6, 0.05e-6  # of a particle and sub-step: walls have no lists
-PRECISION = {"single": 1.0, "mixed": 1.4, "double": 1.8}
+PRECISION = {"single": 0.8, "mixed": 1.0, "double": 1.3}
 #: Of a thermal sub-step: what it costs whatever its size (pairs_coloured: 36 launches, one per colour and sweep), and per
 #: mobile particle.
 HEAT = {

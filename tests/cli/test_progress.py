@@ -98,7 +98,7 @@ def test_run_says_particles_by_kind_forecast_and_wall_times(scene, tmp_path):
 
 
 @pytest.mark.parametrize(
-    # measured on two free cores, after compiling [s]; the forecast promises a factor of two
+    # measured on two free cores, after compiling [s] (ice_cube: docs/results.md); the forecast promises a factor of two
     ("name", "overrides", "measured"),
     [
         ("ice_cube_small", (), 2.4),
