@@ -30,8 +30,6 @@ _ready = set()  # (stage, types) that this process has found in the cache
 
 def signatures(do, stages):
     """Return [(stage name, numba types of its arguments)] of the stages that a bound run may launch."""
-    from numba import typeof
-
     calls = []
     for name in stages:
         stage = STAGES[name]
@@ -42,7 +40,7 @@ def signatures(do, stages):
         else:
             scalars = {p: SCALARS[p] for p in stage.params if p in SCALARS}
             calls.append((name, do.arguments(stage, scalars)))
-    return list(dict.fromkeys((name, tuple(typeof(a) for a in arguments)) for name, arguments in calls))
+    return list(dict.fromkeys((name, tuple(_compile.typeof(a) for a in arguments)) for name, arguments in calls))
 
 
 def compile_ahead(do, stages, progress=None):
