@@ -183,7 +183,7 @@ _LIST = [
     _stage("heat_explicit", "heat_explicit", "melting 2.5",
            f"temperature {_ENTHALPY} {_NEAR} latent_energy", "heat dt", "temperature_next latent_energy", _SUM),
     _stage("heat_rate", "heat_explicit", "melting 2.5",
-           "heat_capacity heat_capacity_molten latent_capacity heat_conductance neighbour_count", "heat", "heat_rate", _SUM),
+           "heat_capacity latent_capacity heat_capacity_molten heat_conductance neighbour_count", "heat", "heat_rate", _SUM),
     _stage("cg_guess", "heat_cg", "melting 2.5", "temperature", "", "temperature_next heat_flux", _COPY),
     _stage("cg_state", "heat_cg", "melting 3.5",
            f"heat_capacity {_LATENT} temperature latent_energy heat_flux temperature_next", "heat",

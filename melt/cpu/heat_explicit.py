@@ -126,7 +126,7 @@ def heat_explicit(
 
 
 @cpu_stage
-def heat_rate(heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance, neighbour_count, heat, heat_rate):
+def heat_rate(heat_capacity, latent_capacity, heat_capacity_molten, heat_conductance, neighbour_count, heat, heat_rate):
     """See `melt.reference.heat_explicit.heat_rate`."""
     real = heat_rate.dtype.type
     n = heat_capacity.shape[0]

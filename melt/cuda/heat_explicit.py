@@ -86,7 +86,7 @@ def heat_explicit(
 
 @cuda_kernel
 def _particle_rate(
-    heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance, neighbour_count, heat, rate,
+    heat_capacity, latent_capacity, heat_capacity_molten, heat_conductance, neighbour_count, heat, rate,
 ):
     i = cuda.grid(1)
     if i >= heat_capacity.shape[0]:
@@ -113,11 +113,11 @@ def _largest(rate, heat_rate):
     heat_rate[share] = largest
 
 
-def heat_rate(heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance, neighbour_count, heat, heat_rate):
+def heat_rate(heat_capacity, latent_capacity, heat_capacity_molten, heat_conductance, neighbour_count, heat, heat_rate):
     """See `melt.reference.heat_explicit.heat_rate`."""
     rate = device_empty(heat_capacity.shape, heat_capacity.dtype)
     _particle_rate.launch(
-        heat_capacity.shape[0], heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance,
+        heat_capacity.shape[0], heat_capacity, latent_capacity, heat_capacity_molten, heat_conductance,
         neighbour_count, heat, rate,
     )
     _largest.launch(64, rate, heat_rate)

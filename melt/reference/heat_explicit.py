@@ -60,7 +60,7 @@ def heat_explicit(
         latent_energy[:] = e
 
 
-def heat_rate(heat_capacity, heat_capacity_molten, latent_capacity, heat_conductance, neighbour_count, heat, heat_rate):
+def heat_rate(heat_capacity, latent_capacity, heat_capacity_molten, heat_conductance, neighbour_count, heat, heat_rate):
     """Write the largest sum_j G_ij / C_i [1/s] of 64 equal shares of the particles."""
     G = np.array([heat_conductance[i, :k].astype(float).sum() for i, k in enumerate(neighbour_count)])
     C = heat_capacity.astype(float)
