@@ -207,15 +207,16 @@ def run(
     end = scene.time.end if until is None else check_number("until", until, at_least=0)
     initial = build(scene)
     chosen = backends.load(backend)
+    if lockstep:
+        backends.load(lockstep)
     writer = None
     check_initial(initial, precision or scene.solver.precision)
-    plan.prepare(scene, initial, precision)  # what cannot run leaves an older output alone
+    # what cannot run is known before the compiler runs
+    backends.check_memory(plan.prepare(scene, initial, precision).nbytes)
     if output is not None:  # before the compiler runs: a bad path must not cost a minute
         facts = provenance(chosen.name, precision or scene.solver.precision, threads)
         writer = RunWriter(output, scene.to_toml(), facts, overwrite=overwrite)
     try:
-        if writer:
-            checkpoint.discard(checkpoint.beside(output))  # of the run that was replaced
         sim = Simulation(scene, chosen, precision, not chosen.on_device, lockstep, initial, progress=say)
         for finding in findings(scene, initial, sim.prepared):
             if finding.level == "warning" or finding.text in initial.notes:
@@ -223,12 +224,11 @@ def run(
                 sim.limit_told |= finding.text.startswith("time.n_sub =")
         if writer:
             _append(writer, sim, say)
+            checkpoint.discard(checkpoint.beside(writer.path))  # of the run that it replaced
         return _loop(sim, writer, say, end)
     finally:
-        if writer:
-            writer.close()
-            if not writer.frames:  # it failed before the first: nothing is worth keeping
-                writer.path.unlink(missing_ok=True)
+        if writer:  # if it failed before the first frame nothing is worth keeping
+            writer.close(keep_empty=False)
 
 
 def resume(path, backend=None, threads=None, progress=None, until=None):
@@ -237,10 +237,10 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     Raises:
         MeltError: no run file, no checkpoint, or a file that is not one of melt's.
     """
-    from melt.output.run_file import RunWriter
+    from melt.output.run_file import RunWriter, followed
     from melt.output.run_reader import open_run
 
-    say = progress or (lambda event, **values: None)
+    path, say = followed(path), progress or (lambda event, **values: None)
     backends.set_threads(threads)
     past = open_run(path)
     arrays, meta = checkpoint.load(checkpoint.beside(path))

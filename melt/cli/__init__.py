@@ -36,7 +36,7 @@ class Melt(TyperGroup):
             raise typer.Exit(0) from None
         except KeyboardInterrupt as error:
             code = TERMINATED if isinstance(error, Terminated) else INTERRUPTED
-            text, trace = "stopped; files hold all completed frames", ""
+            text, trace = str(error) or "stopped; files hold all completed frames", ""
         except Exception as error:
             if _is_usage(error):
                 raise

@@ -1,5 +1,7 @@
 """Commands that step: run and resume."""
 
+import contextlib
+import os
 import pathlib
 from typing import Annotated
 
@@ -39,15 +41,18 @@ def run(
     quiet: Quiet = False,
 ):
     """Run a scene and write its run file, which ParaView opens as it is."""
-    from melt.scene import load_scene
+    from melt.scene import find_scene, load_scene
 
     chosen = load_scene(scene, override or (), preset)
     end = _seconds(until)
     _precision(precision)
     output = output or pathlib.Path(f"{pathlib.Path(scene).stem}.vtkhdf")
+    with contextlib.suppress(OSError, ValueError):  # no such file yet, or never
+        if os.path.samefile(find_scene(scene), output):
+            raise MeltError(f"the output {output} is the scene file itself: name another file with --output")
     from melt import simulation
 
-    with RunProgress(quiet) as progress:
+    with RunProgress(quiet) as progress, _nothing_written(progress, output):
         result = simulation.run(
             chosen,
             output,
@@ -79,6 +84,18 @@ def resume(
     with RunProgress(quiet) as progress:
         result = simulation.resume(path, backend=backend, threads=threads, progress=progress, until=end)
     _end(result, progress, path, None)
+
+
+@contextlib.contextmanager
+def _nothing_written(progress, output):
+    """Say so when Ctrl-C or SIGTERM comes before the first frame."""
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        if progress.frames:
+            raise
+        older = f"; the earlier {output} is untouched" if os.path.lexists(output) else ""
+        raise type(stop)(f"stopped before the first frame: nothing was written{older}") from None
 
 
 def _end(result, progress, output, lockstep):

@@ -11,9 +11,11 @@ Layout (VTKHDF 2.3, temporal PolyData; https://docs.vtk.org/en/latest/vtk_file_f
 `melt.output.hdf5` says why a killed run leaves a file with all completed frames.
 """
 
+import errno
 import math
 import os
 import pathlib
+import stat
 
 import numpy as np
 
@@ -46,6 +48,35 @@ def series_unit(name):
     return next((unit for word in reversed(words) for known, unit in _SERIES_UNITS if word == known), "1")
 
 
+def followed(path):
+    """Return the path of a file, that of its target for a symbolic link."""
+    return pathlib.Path(os.path.realpath(path) if os.path.islink(path) else path)
+
+
+def _check_replaceable(path):
+    """Raise `OutputError` unless what is at ``path`` is a run file, or an empty file."""
+    from melt.output.run_reader import open_run
+
+    try:
+        found = os.stat(path)
+        if stat.S_ISDIR(found.st_mode):
+            raise IsADirectoryError(errno.EISDIR, "")
+    except OSError as error:
+        raise output_error("create", path, error) from error
+    what = "another kind of file" if stat.S_ISREG(found.st_mode) else "a device, a pipe or a socket"
+    if stat.S_ISREG(found.st_mode):  # to open another kind may wait, or do something
+        if found.st_size == 0:
+            return
+        try:
+            return open_run(path).close()
+        except RunFileError:
+            pass
+    raise OutputError(
+        f"the output {path} was left as it is: it is {what} and no whole run file of melt, and --overwrite replaces "
+        "only those. Name another file with --output, or remove it yourself."
+    )
+
+
 class RunWriter:
     """Writer of one run file.
 
@@ -53,20 +84,23 @@ class RunWriter:
         path: the file, by custom ``NAME.vtkhdf``.
         scene_text: the scene as run (TOML).
         provenance: name -> str, int or float (see `melt.output.provenance`).
-        overwrite: replace an existing file.
+        overwrite: replace an existing run file, which stays as it is until the first frame of this one is written.
         sync: wait for the disk at every frame, so that frames survive a power cut too.
 
     Raises:
-        OutputError: the file exists, or cannot be written.
+        OutputError: the file exists, is not one that may be replaced, or cannot be written.
     """
 
     def __init__(self, path, scene_text, provenance, overwrite=False, sync=True):
-        self.path = pathlib.Path(path)
-        if not overwrite and os.path.lexists(self.path):  # never raises, whatever the name
+        if not overwrite and os.path.lexists(path):  # never raises, whatever the name
             raise OutputError(
-                f"the output {self.path} exists already and was left as it is: name another file with "
+                f"the output {path} exists already and was left as it is: name another file with "
                 "--output, replace it with --overwrite, or continue it with `melt resume`."
             )
+        self.path = followed(path)
+        older = os.path.lexists(self.path)
+        if older:
+            _check_replaceable(self.path)
         self._broken = None
         self.frames = 0
         self._root = Group()
@@ -76,7 +110,8 @@ class RunWriter:
         melt.children["scene"] = Small(f"S{len(text)}", None)
         melt.group("provenance").attrs = dict(provenance)
         melt.group("series")
-        temporary = self.path.with_name(f".{self.path.name}.part")
+        # of its own: another run may be about to replace the same file
+        self._beside = temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
         try:
             self._file = hdf5.File(temporary, os.O_RDWR | os.O_CREAT | os.O_TRUNC, sync)
         except OSError as error:
@@ -85,7 +120,8 @@ class RunWriter:
             melt["scene"].append(self._file, np.array(text))
             vtk_layout.lay_out_nothing(self._root["VTKHDF"], self._file)
             self._file.commit(self._root)
-            os.replace(temporary, self.path)
+            if not older:
+                self._take_place()
         except OSError as error:
             self._file.close()
             temporary.unlink(missing_ok=True)
@@ -102,7 +138,7 @@ class RunWriter:
         from melt.output.run_reader import load_tree
 
         self = cls.__new__(cls)
-        self.path, self._broken = pathlib.Path(path), None
+        self.path, self._broken, self._beside = followed(path), None, None
         self._root, self.frames, end = load_tree(self.path)
         try:
             self._file = hdf5.File(self.path, os.O_RDWR, sync)
@@ -139,13 +175,19 @@ class RunWriter:
             self._append_series(series)
             self._root["VTKHDF/Steps"].attrs["NSteps"] = np.int64(self.frames + 1)
             self._file.commit(self._root)
+            if self._beside:
+                self._take_place()
         except OSError as error:
             raise self._fail(f"write frame {self.frames} (t = {time:g} s) to", error) from error
         self.frames += 1
 
-    def close(self):
-        """Close the file; it is whole before and after."""
+    def close(self, keep_empty=True):
+        """Close the file; it is whole before and after. An older one that no frame has replaced stays."""
         self._file.close()
+        if self._beside:
+            self._beside.unlink(missing_ok=True)
+        elif not self.frames and not keep_empty:
+            self.path.unlink(missing_ok=True)
         self._broken = self._broken or f"the run file {self.path} is closed."
 
     def __enter__(self):
@@ -153,6 +195,11 @@ class RunWriter:
 
     def __exit__(self, *_):
         self.close()
+
+    def _take_place(self):
+        """Give the file its name, in place of an older one."""
+        os.replace(self._beside, self.path)
+        self._beside = None
 
     # --- the parts of a frame ---
 
@@ -202,7 +249,8 @@ class RunWriter:
 
     def _fail(self, what, error):
         self._broken = str(output_error(what, self.path, error))
-        self._broken += f" The file holds all {self.frames} earlier frames."
+        kept = "The earlier file is untouched." if self._beside else f"The file holds all {self.frames} earlier frames."
+        self._broken += f" {kept}"
         try:
             self._file.discard()
         except OSError:
