@@ -55,20 +55,18 @@ def still_step(do, dt):
         search(do)
         volumes(do)
         do.listed = True
-    if solidify(do, dt):
+    changed = solidify(do, dt)
+    if liquefy(do) or changed:  # nothing else moves, grows or shrinks
         volumes(do)
-    liquefy(do)
-    if do.params["heat"].current_volume:  # V = m/rho needs the density of what melted
-        volumes(do)
+    if do.params["heat"].current_volume:  # V = m/rho
         do.density()
     heat(do, dt)
     do.clock.step += 1
 
 
 def liquefy(do):
-    """Melt, at the scene's cadence."""
-    if do.need.melting and do.clock.step % do.settings.melt_every == 0:
-        melt_and_relink(do)
+    """Melt, at the scene's cadence; return whether something did."""
+    return do.need.melting and do.clock.step % do.settings.melt_every == 0 and melt_and_relink(do)
 
 
 def solidify(do, sub_dt):

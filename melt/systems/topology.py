@@ -10,13 +10,14 @@ def build_lattice(do):
 def melt_and_relink(do):
     """Melt what is exposed and hot, one layer at most (line 9), and mend the lattice (line 10).
 
-    Reads back once whether anything melted, and once more where crumbs melt too.
+    Returns whether anything melted: volumes change with it. Reads that back once, and once more where
+    crumbs melt too.
     """
     do.melt_test()
     melted = int(do.read("melted").sum())
     do.clock.melted += melted
     if melted == 0:
-        return
+        return False
     _take_out(do)
     if do.settings.crumb > 0:
         do.crumble(smallest=do.settings.crumb)
@@ -24,6 +25,7 @@ def melt_and_relink(do):
         if crumbs > 0:
             _take_out(do)
         do.clock.melted += crumbs
+    return True
 
 
 def _take_out(do):
