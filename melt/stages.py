@@ -122,12 +122,12 @@ _LIST = [
            _REGION, partial=True),
     # freezing: the choice of a site needs the whole neighbourhood, more than 12 arguments
     _stage("freeze_choice", "freezing", "melting 3.4",
-           f"position velocity phase material temperature latent_energy site site_adjacent site_link_count {_NEAR} "
+           f"position velocity phase material temperature latent_energy latent_capacity site site_adjacent site_link_count {_NEAR} "
            "region_rotation region_shift material_melting_point material_freezes_to", "lattice change dt", "freeze_site freeze_distance freeze_shift", _FEW),
     _stage("freeze_claim", "freezing", "melting 3.4",
            f"id freeze_site freeze_distance site_particle site_adjacent site_link_count {_NEAR}", "", "claim frozen", _EXACT),
     _stage("nucleus_choice", "nucleation", "melting 3.4",
-           f"id phase material temperature latent_energy {_NEAR} material_melting_point material_freezes_to", "change", "nucleation", _EXACT),
+           f"id phase material temperature latent_energy latent_capacity {_NEAR} material_melting_point material_freezes_to", "change", "nucleation", _EXACT),
     _stage("nucleus_claim", "nucleation", "melting 3.4", "nucleation nucleus_sites site_link_count", "",
            "freeze_site claim region_rotation nucleated nucleus_count nucleus_free", _COPY, partial=True, scratch="nucleus_count nucleus_free"),
     _stage("freeze_particles", "freezing", "melting 3.4",

@@ -8,8 +8,8 @@ PIECES = 64
 
 @cpu_stage
 def nucleus_choice(
-    id, phase, material, temperature, latent_energy, neighbour_count, neighbour_index, material_melting_point,
-    material_freezes_to,
+    id, phase, material, temperature, latent_energy, latent_capacity, neighbour_count, neighbour_index,
+    material_melting_point, material_freezes_to,
     change, nucleation,
 ):
     """See `melt.reference.nucleation.nucleus_choice`."""
@@ -18,10 +18,9 @@ def nucleus_choice(
         if phase[i] != LIQUID or material_freezes_to[material[i]] < 0:
             continue
         point = material_melting_point[material_freezes_to[material[i]]]
-        if change.latent:
+        could = temperature[i] <= point - change.hysteresis
+        if change.latent and latent_capacity[i] > 0:  # the plateau is the hysteresis
             could = latent_energy[i] <= 0 and temperature[i] <= point
-        else:
-            could = temperature[i] <= point - change.hysteresis
         if could:
             for k in range(neighbour_count[i]):
                 could = could and phase[neighbour_index[i, k]] != SOLID

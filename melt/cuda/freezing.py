@@ -12,7 +12,8 @@ FAR = 2**30
 
 @cuda_kernel
 def _freeze_choice(
-    position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
+    position, velocity, phase, material, temperature, latent_energy, latent_capacity, site, site_adjacent,
+    site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
     lattice, change, dt, freeze_site, freeze_distance, freeze_shift,
@@ -30,10 +31,9 @@ def _freeze_choice(
     if phase[i] != LIQUID or material_freezes_to[material[i]] < 0:
         return
     point = material_melting_point[material_freezes_to[material[i]]]
-    if change.latent:
+    cold = temperature[i] <= point - change.hysteresis
+    if change.latent and latent_capacity[i] > 0:  # the plateau is the hysteresis
         cold = latent_energy[i] <= 0 and temperature[i] <= point
-    else:
-        cold = temperature[i] <= point - change.hysteresis
     if not cold:
         return
     best, taken = FAR, -1
@@ -72,14 +72,16 @@ def _freeze_choice(
 
 
 def freeze_choice(
-    position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
+    position, velocity, phase, material, temperature, latent_energy, latent_capacity, site, site_adjacent,
+    site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
     lattice, change, dt, freeze_site, freeze_distance, freeze_shift,
 ):
     """See `melt.reference.freezing.freeze_choice`."""
     _freeze_choice.launch(
-        phase.shape[0], position, velocity, phase, material, temperature, latent_energy, site, site_adjacent,
+        phase.shape[0], position, velocity, phase, material, temperature, latent_energy, latent_capacity, site,
+        site_adjacent,
         site_link_count, neighbour_count, neighbour_index, region_rotation, region_shift,
         material_melting_point,
         material_freezes_to, lattice, change, dt, freeze_site, freeze_distance, freeze_shift,

@@ -6,8 +6,8 @@ from melt.physics.phases import LIQUID, SOLID
 
 @cuda_kernel
 def _could(
-    phase, material, temperature, latent_energy, neighbour_count, neighbour_index, material_melting_point,
-    material_freezes_to,
+    phase, material, temperature, latent_energy, latent_capacity, neighbour_count, neighbour_index,
+    material_melting_point, material_freezes_to,
     change, nucleation,
 ):
     i = cuda.grid(1)
@@ -17,10 +17,9 @@ def _could(
     if phase[i] != LIQUID or material_freezes_to[material[i]] < 0:
         return
     point = material_melting_point[material_freezes_to[material[i]]]
-    if change.latent:
+    could = temperature[i] <= point - change.hysteresis
+    if change.latent and latent_capacity[i] > 0:  # the plateau is the hysteresis
         could = latent_energy[i] <= 0 and temperature[i] <= point
-    else:
-        could = temperature[i] <= point - change.hysteresis
     if could:
         for k in range(neighbour_count[i]):
             could = could and phase[neighbour_index[i, k]] != SOLID
@@ -41,15 +40,15 @@ def _does(id, neighbour_count, neighbour_index, nucleation):
 
 
 def nucleus_choice(
-    id, phase, material, temperature, latent_energy, neighbour_count, neighbour_index, material_melting_point,
-    material_freezes_to,
+    id, phase, material, temperature, latent_energy, latent_capacity, neighbour_count, neighbour_index,
+    material_melting_point, material_freezes_to,
     change, nucleation,
 ):
     """See `melt.reference.nucleation.nucleus_choice`."""
     n = phase.shape[0]
     _could.launch(
-        n, phase, material, temperature, latent_energy, neighbour_count, neighbour_index, material_melting_point,
-        material_freezes_to, change, nucleation,
+        n, phase, material, temperature, latent_energy, latent_capacity, neighbour_count, neighbour_index,
+        material_melting_point, material_freezes_to, change, nucleation,
     )
     _does.launch(n, id, neighbour_count, neighbour_index, nucleation)
 

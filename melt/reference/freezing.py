@@ -16,17 +16,20 @@ from melt.reference._lattice import offsets, turn
 
 
 def freeze_choice(
-    position, velocity, phase, material, temperature, latent_energy, site, site_adjacent, site_link_count,
+    position, velocity, phase, material, temperature, latent_energy, latent_capacity, site, site_adjacent,
+    site_link_count,
     neighbour_count, neighbour_index, region_rotation, region_shift, material_melting_point,
     material_freezes_to,
     lattice, change, dt, freeze_site, freeze_distance, freeze_shift,
 ):
     """Write the vacant site that each liquid particle would freeze to, -1 for none.
 
-    Cold means T <= T_melt - hysteresis of the solid it freezes to, or, with latent heat, all of it given off.
+    Cold means T <= T_melt - hysteresis of the solid it freezes to, or, with latent heat, all of it given off at
+    T <= T_melt. A particle whose latent capacity is 0 keeps the hysteresis: it has no plateau to cross.
     It must not move by half a spacing in the sub-step dt [s] relative to the particle beside the site.
 
-    Reads: position (3, n) [m], velocity (3, n) [m/s], phase, material, temperature, latent_energy, site (n,),
+    Reads: position (3, n) [m], velocity (3, n) [m/s], phase, material, temperature, latent_energy,
+        latent_capacity (n,) (these two only with ``change.latent``), site (n,),
         site_adjacent (s, 27), site_link_count (s,), the neighbour list, region_rotation (4, s),
         region_shift (3, s) [m], material_melting_point and material_freezes_to.
     Writes: freeze_site (n,), freeze_distance (n,) in 1/4096 of the reach, freeze_shift (3, n) = y - x [m].
@@ -40,9 +43,9 @@ def freeze_choice(
         if solid < 0:
             continue
         point = material_melting_point[solid]
-        cold = latent_energy[i] <= 0 and temperature[i] <= point if change.latent else (
-            temperature[i] <= point - change.hysteresis
-        )
+        cold = latent_energy[i] <= 0 and temperature[i] <= point if (
+            change.latent and latent_capacity[i] > 0
+        ) else temperature[i] <= point - change.hysteresis
         if not cold:
             continue
         best = None

@@ -9,8 +9,8 @@ import numpy as np
 
 
 def nucleus_choice(
-    id, phase, material, temperature, latent_energy, neighbour_count, neighbour_index, material_melting_point,
-    material_freezes_to,
+    id, phase, material, temperature, latent_energy, latent_capacity, neighbour_count, neighbour_index,
+    material_melting_point, material_freezes_to,
     change, nucleation,
 ):
     """Write which particles would start a body: bit 1 for every one that could, bit 2 for those that do.
@@ -18,7 +18,7 @@ def nucleus_choice(
     It could if it is a liquid particle cold enough to freeze (see `freeze_choice`) without a solid
     neighbour; of neighbours that could, the smallest id does. Two of a step are never neighbours.
 
-    Reads: id, phase, material, temperature [degC], latent_energy [J] (n,) (only with ``change.latent``),
+    Reads: id, phase, material, temperature [degC], latent_energy, latent_capacity [J] (n,) (only with ``change.latent``),
         the neighbour list, material_melting_point [degC], material_freezes_to.
     Writes: nucleation (n,), 0, 1 or 3.
     """
@@ -29,9 +29,9 @@ def nucleus_choice(
         if solid < 0 or (phase[near[i]] == 1).any():
             continue
         point = material_melting_point[solid]
-        nucleation[i] = latent_energy[i] <= 0 and temperature[i] <= point if change.latent else (
-            temperature[i] <= point - change.hysteresis
-        )
+        nucleation[i] = latent_energy[i] <= 0 and temperature[i] <= point if (
+            change.latent and latent_capacity[i] > 0
+        ) else temperature[i] <= point - change.hysteresis
     could = nucleation == 1
     for i in np.flatnonzero(could):
         rivals = near[i][could[near[i]]]

@@ -115,10 +115,11 @@ def test_equal_distances_go_to_the_smaller_id_and_site(backend):
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(
-    "case", ["warm", "exactly cold enough", "fast", "just slow enough", "never freezes", "latent left", "all given off"]
+    "case", ["warm", "exactly cold enough", "fast", "just slow enough", "never freezes", "latent left", "all given off",
+             "no latent heat, warm", "no latent heat, cold"]
 )
 def test_conditions(backend, case):
-    latent = case in ("latent left", "all given off")
+    latent = "latent" in case or case == "all given off"
     do = world(
         backend,
         box(2, 1, 1),
@@ -126,15 +127,18 @@ def test_conditions(backend, case):
         [[2.1], [0], [0]],
         change_params=change(latent=int(latent)),
     )
-    t = {"warm": np.nextafter(-0.5, 0), "latent left": 0.0, "all given off": 0.0}.get(case, -0.5)
+    warm = np.nextafter(-0.5, 0)
+    t = {"warm": warm, "latent left": 0.0, "all given off": 0.0, "no latent heat, warm": warm}.get(case, -0.5)
     do.set(temperature=[-10, -10, t], latent_energy=[0, 0, 1.0 if case == "latent left" else 0.0])
+    do.set(latent_capacity=[0, 0, 0.0 if "no latent" in case else 2.0])
     limit = 0.5 * DX / DT  # half a spacing in the sub-step
     speed = {"fast": limit, "just slow enough": np.nextafter(limit, 0)}.get(case, 0.0)
     do.set(velocity=np.array([[0, 0, speed], [0, 0, 0], [0, 0, 0]]))
     if case == "never freezes":
         do.set(material_freezes_to=[-1, -1])
     freeze(do, DT)
-    assert do.clock.frozen == (case in ("exactly cold enough", "just slow enough", "all given off"))
+    frozen = ("exactly cold enough", "just slow enough", "all given off", "no latent heat, cold")
+    assert do.clock.frozen == (case in frozen)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

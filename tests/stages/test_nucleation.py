@@ -79,15 +79,18 @@ def test_other_particles_freeze_to_the_new_body(backend):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("case", ["warm", "cold enough", "latent left", "all given off", "no spare body"])
+@pytest.mark.parametrize("case", ["warm", "cold enough", "latent left", "all given off", "no spare body",
+                                  "no latent heat, warm", "no latent heat, cold"])
 def test_conditions(backend, case):
-    latent = case in ("latent left", "all given off")
+    latent = "latent" in case or case == "all given off"
     spare = 0 if case == "no spare body" else 1
-    t = {"warm": np.nextafter(-0.5, 0), "latent left": 0.0, "all given off": 0.0}.get(case, -0.5)
+    warm = np.nextafter(-0.5, 0)
+    t = {"warm": warm, "latent left": 0.0, "all given off": 0.0, "no latent heat, warm": warm}.get(case, -0.5)
     do = world(backend, [[10], [0], [0]], spare, t, change_params=change(latent=int(latent)))
     do.set(latent_energy=[0, 1.0 if case == "latent left" else 0.0])
+    do.set(latent_capacity=[0, 0.0 if "no latent" in case else 2.0])
     freeze(do, DT)
-    assert do.clock.frozen == (case in ("cold enough", "all given off"))
+    assert do.clock.frozen == (case in ("cold enough", "all given off", "no latent heat, cold"))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
