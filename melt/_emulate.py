@@ -118,7 +118,7 @@ class emulate:  # noqa: N801  (used like a function)
         )
         moved.__qualname__ = f"{source.__qualname__}_on_host"
         moved.__module__ = source.__module__
-        self._body = njit(error_model="numpy", cache=cache)(moved)
+        self.body = njit(error_model="numpy", cache=cache)(moved)
         self._driver = None
 
     def __call__(self, threads, *arguments):
@@ -126,14 +126,14 @@ class emulate:  # noqa: N801  (used like a function)
             self._drive(threads, arguments)
             return
         _SLOTS[1] = threads
-        body = self._body
+        body = self.body
         for t in range(threads):
             _SLOTS[0] = t
             body(*arguments)
 
     def _drive(self, threads, arguments):
         if self._driver is None:
-            body = self._body
+            body = self.body
 
             @njit(error_model="numpy")
             def drive(threads, *args):

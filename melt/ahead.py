@@ -6,11 +6,12 @@ loop body both as it was compiled alone and as it was optimised again inside the
 first one and stores the second, and the two may round differently (measured: `region_rest`). So
 that a run, its repetition and its resumption agree to the last bit, every process loads.
 
-``python -m melt.ahead`` is the child: it reads (stage, types) from stdin, one pickled line each, and
-answers with a line when that stage is in the cache.
+A child (`child`) reads a pickled line per stage from stdin, with all types that it is wanted for, and
+answers with a line when they are in the cache.
 """
 
 import base64
+import json
 import os
 import pickle
 import queue
@@ -18,6 +19,8 @@ import subprocess
 import sys
 import threading
 import time
+
+from filelock import FileLock
 
 from melt import _compile
 from melt.check._choices import SCALARS
@@ -43,6 +46,20 @@ def signatures(do, stages):
     return list(dict.fromkeys((name, tuple(_compile.typeof(a) for a in arguments)) for name, arguments in calls))
 
 
+def _missing(calls):
+    """Return {stage name: [types]} of the calls that are not in the cache."""
+    missing = {}
+    for call in calls:
+        if call not in _ready:
+            name, types = call
+            dispatcher = stage_function(name, "cpu")
+            if dispatcher._cache.load_overload(types, dispatcher.targetctx) is None:
+                missing.setdefault(name, []).append(types)
+            else:
+                _ready.add(call)
+    return missing
+
+
 def compile_ahead(do, stages, progress=None):
     """Bring every CPU stage of a run into the cache; return the seconds that it took.
 
@@ -51,70 +68,82 @@ def compile_ahead(do, stages, progress=None):
     """
     if do.backend.folder != "cpu" or not _compile.CACHED:
         return 0.0
-    missing = []
-    for call in signatures(do, stages):
-        if call not in _ready:
-            dispatcher = stage_function(call[0], "cpu")
-            if dispatcher._cache.load_overload(call[1], dispatcher.targetctx) is None:
-                missing.append(call)
-            else:
-                _ready.add(call)
-    if not missing:
+    calls = signatures(do, stages)
+    if not _missing(calls):
         return 0.0
     start = time.perf_counter()
-    work, done = queue.SimpleQueue(), []
-    for call in missing:
-        work.put(call)
-
-    def tell():
-        if progress:
-            message = "compiling stages (cached for the next run)"
-            progress("compile", message=message, done=len(done), total=len(missing))
-
-    tell()
-    hands = [
-        threading.Thread(target=_feed, args=(work, done, tell), daemon=True)
-        for _ in range(min(os.cpu_count() or 1, 8, len(missing)))
-    ]
-    for hand in hands:
-        hand.start()
-    for hand in hands:
-        while hand.is_alive():  # a join without a limit would not hear Ctrl-C
-            hand.join(0.1)
-    _ready.update(done)
+    say = progress or (lambda event, **values: None)
+    with FileLock(_compile.CACHE_FOLDER / "ahead.lock"):  # another run may be at the same stages: wait, then load
+        missing = _missing(calls)
+        if missing:
+            _share_out(missing, say)
+            left = sum(map(len, _missing(calls).values()))
+            if left:
+                advice = "they are compiled as the first step meets them, and may round differently from later runs"
+                say("warning", message=f"{left} stages could not be compiled ahead: {advice}")
     return time.perf_counter() - start
 
 
-def _feed(work, done, tell):
-    """Hand out work to one child until there is none."""
-    paths = os.pathsep.join(p or os.getcwd() for p in sys.path)
+def _share_out(missing, say):
+    """Compile with one child per core; all types of a stage go to the same one."""
+    work, done, children = queue.SimpleQueue(), [], []
+    for item in missing.items():
+        work.put(item)
+
+    def tell():
+        say("compile", message="compiling stages (cached for the next run)", done=len(done), total=len(missing))
+
+    tell()
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    hands = [
+        threading.Thread(target=_feed, args=(work, done, children, tell), daemon=True)
+        for _ in range(min(cores, 8, len(missing)))
+    ]
+    for hand in hands:
+        hand.start()
     try:
-        child = subprocess.Popen(
-            [sys.executable, "-m", "melt.ahead"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL, env={**os.environ, "PYTHONPATH": paths},
+        for hand in hands:
+            while hand.is_alive():  # a join without a limit would not hear Ctrl-C
+                hand.join(0.1)
+    finally:
+        for child in children:
+            child.kill()
+
+
+def _feed(work, done, children, tell):
+    """Hand out work to one child until there is none."""
+    path = json.dumps([p or os.getcwd() for p in sys.path])
+    code = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from melt.ahead import child; child()"
+    try:  # -P: nothing is imported from the folder that the user happens to be in
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-c", code, path],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
         )
-    except OSError:
+    except (OSError, TypeError):  # no interpreter to start (an embedded one), or no right to
         return
-    with child:
-        while not work.empty():
-            try:
-                call = work.get_nowait()
-                child.stdin.write(base64.b64encode(pickle.dumps(call)) + b"\n")
-                child.stdin.flush()
-                if not child.stdout.readline():
-                    return  # it died: the stage is compiled when the step meets it
-            except (queue.Empty, OSError):
-                return
-            done.append(call)
-            tell()
+    children.append(process)
+    while True:
+        try:
+            item = work.get_nowait()
+            process.stdin.write(base64.b64encode(pickle.dumps(item)) + b"\n")
+            process.stdin.flush()
+            answer = process.stdout.readline()
+        except (queue.Empty, OSError):
+            break
+        if not answer:
+            break  # it died
+        done.append(item)
+        tell()
+    process.kill()
+    process.wait()
+    process.stdin.close()
+    process.stdout.close()
 
 
-def _child():
+def child():
+    """Compile what stdin names until it closes."""
     for line in sys.stdin.buffer:
-        name, types = pickle.loads(base64.b64decode(line))
-        stage_function(name, "cpu").compile(types)
+        name, wanted = pickle.loads(base64.b64decode(line))
+        for types in wanted:
+            stage_function(name, "cpu").compile(types)
         print(name, flush=True)
-
-
-if __name__ == "__main__":
-    _child()
