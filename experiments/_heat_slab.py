@@ -98,6 +98,7 @@ class Slab:
             heat_solver=solver,
             heat_substeps=substeps,
             fourier_number=0.0,
+            dt=0.1,
             heat_iterations=200,
             heat_tolerance=tolerance or (1e-8 if precision == "double" else 1e-5),
         )
@@ -151,7 +152,7 @@ class Slab:
 
     def step(self, dt, steps=1):
         """Advance ``steps`` heat steps of ``dt``."""
-        self.do.settings.fourier_number = self.alpha * dt / self.spacing**2
+        self.do.settings.fourier_number, self.do.settings.dt = self.alpha * dt / self.spacing**2, dt
         for _ in range(steps):
             page.heat(self.do, dt)
         return self

@@ -115,10 +115,9 @@ def settings_of(scene, initial, sound_speed, precision):
         lightest_solid=float(density.min()) / f.density,
     )
     if heat is not None:
-        fo = fourier_number(scene, initial)
-        chosen.heat_solver = heat.solver
-        chosen.fourier_number = fo
-        chosen.heat_substeps = thermal_substeps(SimpleNamespace(heat_substeps=heat.substeps, fourier_number=fo))
+        chosen.dt, chosen.fourier_number = t.dt, fourier_number(scene, initial)
+        chosen.heat_solver, chosen.heat_substeps = heat.solver, heat.substeps
+        thermal_substeps(chosen)  # refuses too many
         chosen.heat_tolerance = heat.tolerance or (1e-8 if precision == "double" else 1e-5)
         chosen.heat_iterations = heat.max_iterations
     return chosen

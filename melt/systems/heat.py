@@ -1,8 +1,8 @@
 """The heat step: properties, sources, one of six solvers, ambient air. Melting line 13, spec 2.5, 3.5.
 
 ``do.settings``: ``heat_solver`` (see `SOLVERS`, or ``auto``), ``heat_substeps`` (a number, or
-``auto``: as many as bring the Fourier number to 0.5), ``fourier_number`` (of the whole step, see
-`fourier_number`), and of cg ``heat_tolerance``, ``heat_iterations``.
+``auto``: as many as bring the Fourier number to 0.5), ``fourier_number`` of a step of ``dt`` (both of
+the scene, see `fourier_number`), and of cg ``heat_tolerance``, ``heat_iterations``.
 ``do.need``: ``latent``, ``heaters``, ``ambient``, ``thermostats`` (walls or heaters of fixed temperature).
 ``do.clock.energy_in``: heat brought by heaters, ambient air and what has a fixed temperature [J].
 """
@@ -43,13 +43,14 @@ def heat(do, dt):
         with source(do, do.need.heaters and not do.need.thermostats):
             if do.need.heaters:
                 do.heat_source(dt=dt)
-        substeps = thermal_substeps(do.settings)
-        solver = chosen_solver(do.settings)
+        substeps = thermal_substeps(do.settings, dt)
+        solver = chosen_solver(do.settings, dt)
         if solver != "pairs_coloured":  # that one walks cells, not lists
             do.heat_conductance()
-        solve = SOLVERS[solver]
-        for _ in range(substeps):
-            solve(do, dt / substeps)
+        noted = [SOLVERS[solver](do, dt / substeps) or {} for _ in range(substeps)]
+        for name, total in {"heat_iterations": sum, "heat_residual": np.max, "heat_fallback": max}.items():
+            if found := [notes[name] for notes in noted if name in notes]:
+                do.note(name, total(found))
         if do.need.ambient:
             do.surface()
             with source(do, not do.need.thermostats):
@@ -81,24 +82,40 @@ def content(do):
     return math.fsum(pieces) if np.isfinite(pieces).all() else math.nan
 
 
-def thermal_substeps(settings):
-    """Return the number of thermal sub-steps of one step."""
-    if settings.heat_substeps == "auto":
-        if settings.fourier_number > SUBSTEPS_LIMIT * PAIRS_UP_TO:
-            raise MeltError(
-                f"heat.substeps = 'auto': a Fourier number of {settings.fourier_number:.3g} asks for more "
-                f"than {SUBSTEPS_LIMIT} sub-steps: lower time.dt or the conductivity, or set "
-                "heat.substeps = 1 (cg is stable)"
-            )
-        return max(1, math.ceil(settings.fourier_number / PAIRS_UP_TO))
-    return settings.heat_substeps
+def _fourier(settings, dt):
+    """Return the Fourier number of a step of ``dt`` (None: the scene's)."""
+    return settings.fourier_number * (1.0 if dt is None else dt / settings.dt)
 
 
-def chosen_solver(settings):
-    """Return the solver that ``settings`` names or, for ``auto``, the one its Fourier number asks for."""
+def _planned_pairs(settings):
+    """Return whether ``auto`` takes pairs at the scene's dt: then a run has no fields of cg."""
+    given = settings.heat_substeps
+    return settings.heat_solver == "auto" and (given == "auto" or settings.fourier_number / given <= PAIRS_UP_TO)
+
+
+def thermal_substeps(settings, dt=None):
+    """Return the number of thermal sub-steps of a step of ``dt`` (None: the scene's).
+
+    More than a given number where ``auto`` took pairs for the scene's dt and this one is too long for them.
+    """
+    given = 1 if settings.heat_substeps == "auto" else settings.heat_substeps
+    if settings.heat_substeps != "auto" and not _planned_pairs(settings):
+        return given
+    number = _fourier(settings, dt)
+    if number > SUBSTEPS_LIMIT * PAIRS_UP_TO:
+        raise MeltError(
+            f"heat.substeps = 'auto': a Fourier number of {number:.3g} asks for more "
+            f"than {SUBSTEPS_LIMIT} sub-steps: lower time.dt or the conductivity, or set "
+            "heat.substeps = 1 (cg is stable)"
+        )
+    return max(given, math.ceil(number / PAIRS_UP_TO))
+
+
+def chosen_solver(settings, dt=None):
+    """Return the solver that ``settings`` names or, for ``auto``, the one that a step of ``dt`` asks for."""
     if settings.heat_solver != "auto":
         return settings.heat_solver
-    return "pairs_coloured" if settings.fourier_number / thermal_substeps(settings) <= PAIRS_UP_TO else "cg"
+    return "pairs_coloured" if _fourier(settings, dt) / thermal_substeps(settings, dt) <= PAIRS_UP_TO else "cg"
 
 
 def pairs_seq(do, dt):
@@ -138,12 +155,12 @@ def explicit(do, dt):
     for _ in range(substeps):
         do.heat_explicit(dt=dt / substeps)
         do.swap("temperature", "temperature_next")
-    do.note("heat_iterations", substeps)
+    return {"heat_iterations": substeps}
 
 
 def cg(do, dt):
     """Backward Euler of all pairs, in halved steps where it does not converge, in the end by pairs."""
-    iterations, error, left = 0, 0.0, dt
+    iterations, error, left, notes = 0, 0.0, dt, {}
     for halving in range(HALVINGS + 1):
         part = left / 2**halving
         for _ in range(2**halving):
@@ -156,9 +173,8 @@ def cg(do, dt):
             break
     else:
         do.heat_pairs_seq(dt=left)  # bounded and conserving whatever the step and the conductivities
-        do.note("heat_fallback", 1)
-    do.note("heat_iterations", iterations)
-    do.note("heat_residual", error)
+        notes["heat_fallback"] = 1
+    return {**notes, "heat_iterations": iterations, "heat_residual": error}
 
 
 def backward_euler(do, dt):

@@ -4,9 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from extreme_scenes import scene
 
 from experiments._heat_slab import Slab
 from melt import _compile
+from melt.simulation import Simulation
 from melt.systems.heat import SOLVERS, chosen_solver, fourier_number, thermal_substeps
 
 
@@ -25,7 +27,7 @@ def slab(solver="cg", shape=(12, 4, 3), T0=lambda x: np.where(x[0] < 1.2, -10.0,
 def test_auto_chooses_by_fourier_number():
     assert fourier_number(0, 0.005, 0.2, 0.5) == pytest.approx(0.125)
     assert fourier_number(1, 0.2, 1e-3, 0.56, 1000.0, 4187.0) == pytest.approx(0.02675, rel=1e-3)
-    settings = SimpleNamespace(heat_solver="auto", fourier_number=0.5, heat_substeps=1)
+    settings = SimpleNamespace(heat_solver="auto", fourier_number=0.5, heat_substeps=1, dt=0.01)
     assert chosen_solver(settings) == "pairs_coloured"
     settings.fourier_number = 0.6
     assert chosen_solver(settings) == "cg"
@@ -33,6 +35,36 @@ def test_auto_chooses_by_fourier_number():
     assert thermal_substeps(settings) == 2 and chosen_solver(settings) == "pairs_coloured"
     settings.heat_solver = "explicit"
     assert chosen_solver(settings) == "explicit"
+
+
+def test_auto_follows_the_dt_of_the_step():
+    settings = SimpleNamespace(heat_solver="auto", fourier_number=4.0, heat_substeps=1, dt=0.01)
+    assert [chosen_solver(settings, dt) for dt in (0.01, 0.00126, 0.00125)] == ["cg", "cg", "pairs_coloured"]
+    settings.heat_substeps = "auto"
+    assert [thermal_substeps(settings, dt) for dt in (0.02, 0.01, 0.00126, 0.001)] == [16, 8, 2, 1]
+    # pairs at the scene's dt: there are no fields for cg, so a longer step takes more sub-steps
+    settings.fourier_number, settings.heat_substeps = 0.4, 1
+    for dt, number in ((0.001, 1), (0.01, 1), (0.02, 2), (0.1, 8)):
+        assert thermal_substeps(settings, dt) == number and chosen_solver(settings, dt) == "pairs_coloured"
+    settings.heat_solver = "cg"
+    assert thermal_substeps(settings, 0.1) == 1
+
+
+@pytest.mark.parametrize("conductivity, dt, ran", [(4000.0, 1e-5, "heat_pairs_coloured"), (40.0, 0.5, "heat_pairs_coloured"),
+                                                   (4000.0, 0.005, "heat_conductance")])
+def test_a_step_by_hand_takes_the_solver_of_its_dt(conductivity, dt, ran):
+    sim = Simulation(scene(heat={"conductivity": conductivity}, solver={"motion": False}), "cpu")
+    sim.step(dt)
+    assert (ran in sim.do.launches) and len({"heat_pairs_coloured", "heat_conductance"} & set(sim.do.launches)) == 1
+
+
+def test_notes_are_of_all_thermal_sub_steps():
+    one, two = slab("cg").step(0.05), slab("cg", substeps=2).step(0.1)
+    first = one.do.notes["heat_iterations"], one.do.notes["heat_residual"]
+    one.step(0.05)
+    second = one.do.notes["heat_iterations"], one.do.notes["heat_residual"]
+    assert two.do.notes["heat_iterations"] == first[0] + second[0]
+    assert two.do.notes["heat_residual"] == max(first[1], second[1])
 
 
 @pytest.mark.parametrize("backend", ("reference", "cpu", "cuda-emulated"))
