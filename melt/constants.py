@@ -133,7 +133,7 @@ def params_of(scene, particles, sound_speed, real):
     }
     if scene.heat is not None:
         tuples["heat"], tuples["change"] = heat_of(scene, real), change_of(scene, real)
-    if not np.isfinite(real(dx / scene.time.dt)):
+    if not dx / scene.time.dt <= float(np.finfo(real).max):
         raise InputError(
             f"time.dt = {scene.time.dt:g} s is too small for {np.dtype(real).name}: raise it, or set solver.precision = 'double'"
         )

@@ -21,6 +21,7 @@ from melt.output import checkpoint
 from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
 from melt.preflight import findings
 from melt.scene import load_scene, scene_from_toml
+from melt.scene.model import OUTPUT_FIELDS
 from melt.state import State
 from melt.systems import melting
 
@@ -133,7 +134,7 @@ class Simulation:
         output = self.scene.output
         phases = [LIQUID, SOLID, BUBBLE, VAPOUR] + ([WALL] if output.walls else [])
         keep = np.isin(self.read("phase"), phases)
-        names = [n for n in self.prepared.fields if n in _OUTPUT]
+        names = [n for n in self.prepared.fields if n in OUTPUT_FIELDS]
         if output.fields != "all":
             names = [n for n in names if n in (*output.fields, "id", "phase", "position")]
         return {n: self.read(n)[keep] for n in names}
@@ -174,9 +175,6 @@ class Simulation:
         self.do.notes, self._notes_from = dict(meta["notes"]), meta["notes_from"]
 
 
-_OUTPUT = set("id phase material position velocity density pressure temperature latent_energy".split())
-
-
 def run(
     scene, output=None, backend="auto", precision=None, threads=None, progress=None, overwrite=False,
     lockstep=None, until=None,
@@ -204,7 +202,7 @@ def run(
     say = progress or (lambda event, **values: None)
     backends.set_threads(threads)
     scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
-    end = scene.time.end if until is None else check_number("until", until, at_least=0)
+    total = scene.time.steps_to(check_number("until", scene.time.end if until is None else until, at_least=0))
     initial = build(scene)
     chosen = backends.load(backend)
     if lockstep:
@@ -225,7 +223,7 @@ def run(
         if writer:
             _append(writer, sim, say)
             checkpoint.discard(checkpoint.beside(writer.path))  # of the run that it replaced
-        return _loop(sim, writer, say, end)
+        return _loop(sim, writer, say, total)
     finally:
         if writer:  # if it failed before the first frame nothing is worth keeping
             writer.close(keep_empty=False)
@@ -245,13 +243,15 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     past = open_run(path)
     arrays, meta = checkpoint.load(checkpoint.beside(path))
     scene = scene_from_toml(past.scene_text, f"scene of {path}")
+    total = scene.time.steps_to(check_number("until", scene.time.end if until is None else until, at_least=0))
+    if total < meta["clock"]["step"]:
+        raise MeltError(f"{path} is already at t = {meta['clock']['time']:g} s, later than its end: give a later --until")
     sim = Simulation(scene, backend or meta["backend"], meta["precision"], timed=True, progress=say)
-    end = sim.scene.time.end if until is None else check_number("until", until, at_least=0)
     sim.restore(arrays, meta)
     writer = RunWriter.resume(path, frames=int(meta["frames"]))
     try:
         say("resume", message=f"continuing at t = {sim.time:.6g} s with frame {int(meta['frames'])}")
-        return _loop(sim, writer, say, end)
+        return _loop(sim, writer, say, total)
     finally:
         writer.close()
 
@@ -275,10 +275,9 @@ def _save(writer, sim):
     checkpoint.save(checkpoint.beside(writer.path), arrays, meta)
 
 
-def _loop(sim, writer, say, end):
-    """Step to ``end``; Ctrl-C ends after the step that is under way, with a last checkpoint."""
+def _loop(sim, writer, say, total):
+    """Step to step ``total``; Ctrl-C ends after the step that is under way, with a last checkpoint."""
     t, began = sim.scene.time, time.perf_counter()
-    total = max(0, round(np.ceil(end / t.dt - 1e-9)))
     say("start", steps=total, step=sim.do.clock.step, particles=sim.do.clock.active, simulation=sim)
     with asked_to_stop() as stop:
         while sim.do.clock.step < total and not stop.asked:

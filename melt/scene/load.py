@@ -78,7 +78,11 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
     """Return the validated `Scene` of nested dictionaries, as `load_scene`."""
     data = copy.deepcopy(data)
     own = data.pop("presets", {})
+    if not isinstance(own, dict) or not all(isinstance(values, dict) for values in own.values()):
+        raise SceneError(f"{title}: presets must be tables of values by key, such as [presets.coarse]")
     chosen = preset or data.get("preset", "default")
+    if not isinstance(chosen, str):
+        raise SceneError(f"{title}: preset = {chosen!r} is not allowed: it must be the name of one preset")
     known = {**PRESETS, **own}
     if chosen not in known:
         close = difflib.get_close_matches(str(chosen), known, 1)

@@ -1,10 +1,12 @@
 """The scene model. A section that is present is physics that the run needs."""
 
+import difflib
 import math
 from typing import Annotated, Literal
 
 from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_validator
 
+from melt.errors import InputError
 from melt.scene.bodies import Fluid, Heater, Inflow, Obstacle, Solid
 from melt.scene.quantities import (
     Acceleration,
@@ -22,6 +24,9 @@ from melt.scene.quantities import (
 )
 from melt.scene.solver import Solver
 
+#: Particle fields that a run file may have.
+OUTPUT_FIELDS = "id phase material position velocity density pressure temperature latent_energy".split()
+MOST_STEPS = 1_000_000_000
 SIDES = ("x-", "x+", "y-", "y+", "z-", "z+")
 _SIDE_NAMES = {"floor": ("z-",), "lid": ("z+",), "sides": SIDES[:4], "all": SIDES, "none": ()}
 
@@ -50,10 +55,20 @@ class Time(Section):
     checkpoint_every: PositiveTime | Literal["never"] | None = None
     """Time between checkpoints, from which a killed run resumes; with every frame unless given."""
 
+    def steps_to(self, end):
+        """Return the outer steps to a time [s]; `InputError` if they are so many that no run comes to its end."""
+        steps = end / self.dt
+        if steps > MOST_STEPS:
+            raise InputError(
+                f"{steps:.3g} steps of time.dt = {self.dt:g} s to t = {end:g} s are more than {MOST_STEPS:.0e}: "
+                "lower time.end (or --until), or raise time.dt"
+            )
+        return math.ceil(steps - 1e-9)
+
     @property
     def steps(self):
         """Outer steps of the run."""
-        return max(1, math.ceil(self.end / self.dt - 1e-9))
+        return max(1, self.steps_to(self.end))
 
     @property
     def output_steps(self):
@@ -128,7 +143,7 @@ class Heat(Section):
     """Step of each of the two pair sweeps; "full" is the paper's and transports twice the heat."""
     volume: Literal["rest", "current"] = "rest"
     """Volumes of the exchange: "rest" conserves energy, "current" is the paper's m/rho."""
-    substeps: PositiveInt | Literal["auto"] = 1
+    substeps: Annotated[int, Field(gt=0, le=10_000)] | Literal["auto"] = 1
     """Thermal sub-steps; "auto" brings the Fourier number below 0.5."""
     tolerance: Positive | None = None
     """Relative residual of cg: 1e-5 in single and mixed, 1e-8 in double precision unless given."""
@@ -175,6 +190,16 @@ class Output(Section):
     walls: bool = False
     """Write wall particles too."""
     compress: bool = True
+
+    @field_validator("fields")
+    @classmethod
+    def _known(cls, value):
+        for name in value if isinstance(value, list) else ():
+            if name not in OUTPUT_FIELDS:
+                close = difflib.get_close_matches(name, OUTPUT_FIELDS, 1)
+                hint = f"did you mean {close[0]!r}? " if close else ""
+                raise ValueError(f"there is no field {name!r}; {hint}known: {', '.join(OUTPUT_FIELDS)}")
+        return value
 
 
 class Scene(Section):

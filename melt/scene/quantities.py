@@ -67,8 +67,9 @@ Density = quantity("density", above=0)
 Speed = quantity("speed")
 PositiveSpeed = quantity("speed", above=0)
 Rate = quantity("rate", at_least=0)
-Temperature = quantity("temperature")
-MeltingPoint = Annotated[quantity("temperature", infinite=True), BeforeValidator(_never)]
+ABSOLUTE_ZERO = -273.15
+Temperature = quantity("temperature", at_least=ABSOLUTE_ZERO)
+MeltingPoint = Annotated[quantity("temperature", at_least=ABSOLUTE_ZERO, infinite=True), BeforeValidator(_never)]
 TemperatureDifference = quantity("temperature difference", at_least=0)
 Conductivity = quantity("conductivity", at_least=0, paper="number")
 SpecificHeat = quantity("specific heat", above=0)
