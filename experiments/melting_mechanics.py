@@ -229,8 +229,9 @@ def report(path):
         for name in sorted(file["V13 extremes"], key=float):
             face, least, jitter, wet, lost = file[f"V13 extremes/{name}"][()]
             density = float(name)
-            # afloat with at most its own share under water; or under water and never through the floor
+            # afloat with at most its own share under water; or under water, and nothing ever through the floor
             ok = face > 8 - 6 * density / 1000 - 0.5 if density < 1000 else face < 4 and least > 0
+            ok = ok and wet > 0  # nor may liquid be pressed into the floor
             rows.append(
                 Row(
                     f"V13 density {name}",

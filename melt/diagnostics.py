@@ -12,8 +12,10 @@ SERIES = {
     "latent_energy": ("J", "latent heat stored (paper mode: K m^3)"),
     "energy_in": (
         "J",
-        "heat brought since the start by heaters, ambient air and what has a fixed temperature (paper mode: K m^3): "
-        "thermal_energy + latent_energy - energy_in stays",
+        "heat brought since the start by heaters, ambient air and what has a fixed temperature (paper mode: K m^3). "
+        "Where nothing enters or leaves, thermal_energy + latent_energy - energy_in stays, but for what phase change "
+        "itself makes (see thermal_energy). Not in it: the heat of what an inflow brings and of what leave = delete takes "
+        "away. With fixed temperatures it is the change of content around the solve, a balance and no check of the solver",
     ),
     "mass": ("kg", "of liquids and solids"),
     "mass_created": ("kg", "mass made (or lost, < 0) by melting into the ambient liquid since the start"),
@@ -28,7 +30,7 @@ SERIES = {
     "solid_particles": ("1", ""),
     "lost_particles": ("1", "outside of the domain and its margin, or made inactive there"),
     "coincident_particles": ("1", "liquid and solid particles at the very place of another particle"),
-    "melted_fraction": ("1", "of the particles that were solid at the start"),
+    "melted_fraction": ("1", "net, 1 - solids / solids at the start: below 0 where more froze than melted"),
     "melted": ("1", "particles that melted since the start; one that froze and melted again counts again"),
     "frozen": ("1", "particles that froze since the start, likewise"),
     "neighbours_mean": ("1", "over liquid particles"),

@@ -46,10 +46,10 @@ def test_v3_order_of_cg_is_one():
     check(cases.convergence("cg", 16))
 
 
-def test_v3_order_of_pairs_is_at_least_one():
-    # the specification hopes for 2; docs/results.md publishes the miss and its cause
+def test_v3_order_of_pairs():
+    # the specification asks for 2: missed (1.04 to 1.46, docs/results.md); pinned to the 1.277 measured here, +- 20 %
     ((_, _, order, _),) = cases.convergence("pairs_seq", 16)
-    assert 0.95 < order < 2.25
+    assert 1.02 < order < 1.53
 
 
 def test_v4_contact_temperature():
