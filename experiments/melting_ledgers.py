@@ -14,7 +14,10 @@ from melt.simulation import Simulation
 
 
 def drop(melt_to, precision, steps):
-    """Return (change of |sum m v| / sum m |v|, NaN for melt_to = water, mass drift, expected mass change, thermal drift, melted fraction)."""
+    """Return (change of |sum m v| / sum m |v|, mass drift, expected mass change, thermal drift, melted fraction).
+
+    The first is NaN for melt_to = water.
+    """
     scene = scene_from_dict(
         {
             "time": {"end": 10.0, "dt": 0.002},

@@ -8,7 +8,12 @@ from melt.physics.phases import INACTIVE, LIQUID, SOLID
 SERIES = {
     "kinetic_energy": ("J", "of liquids and solids, with v^(n-1/2)"),
     "potential_energy": ("J", "m g . x of liquids and solids, from the domain's origin"),
-    "thermal_energy": ("J", "sum of C T (paper mode: sum of V T in K m^3)"),
+    "thermal_energy": (
+        "J",
+        "sum of C (T - T_m) (paper mode: of V (T - T_m), K m^3), T_m of the solid that the matter is, freezes to or "
+        "(the first that) melts to it, 0 degC without one. Physical law: melting without latent heat, off or 0, keeps T "
+        "and makes (c_liquid - c_solid) m (T - T_m), freezing takes it; melt_to = water changes m, too",
+    ),
     "latent_energy": ("J", "latent heat stored (paper mode: K m^3)"),
     "energy_in": (
         "J",
@@ -85,7 +90,7 @@ def series(do, start):
     if start["solids"]:
         values["melted_fraction"] = 1.0 - values["solid_particles"] / start["solids"]
     if "temperature" in wide:
-        values.update(_thermal(wide, mobile))
+        values.update(_thermal(wide, mobile, _melting_points(state, phase, f["material"])[mobile]))
     for name, counted in _COUNTED.items():
         if any(getattr(do.need, need) for need in counted):
             values[name] = getattr(do.clock, name)
@@ -101,7 +106,7 @@ _COUNTED = {
 
 
 _WANTED = (
-    "phase position velocity mass volume density neighbour_count offenders "
+    "phase material position velocity mass volume density neighbour_count offenders "
     "temperature heat_capacity heat_capacity_molten latent_point latent_capacity latent_energy"
 ).split()
 
@@ -139,22 +144,38 @@ def _compression(wide, liquid):
     }
 
 
-def _thermal(wide, mobile):
+def _melting_points(state, phase, material):
+    """Return T_m (n,) [degC] from which the heat of a particle is counted: one for a solid and what it melts to."""
+    if "material_melting_point" not in state:
+        return np.zeros(phase.size)
+    point = state.read("material_melting_point").astype(np.float64)
+    point = np.where(np.isfinite(point), point, 0.0)
+    of_melt = np.zeros(point.size)
+    if "material_melts_to" in state:
+        for k in np.flatnonzero(np.isfinite(state.read("material_melting_point")))[::-1]:
+            of_melt[state.read("material_melts_to")[k]] = point[k]
+    if "material_freezes_to" in state:
+        to = state.read("material_freezes_to")
+        of_melt = np.where(to >= 0, point[to], of_melt)
+    return np.where(phase == SOLID, point[material], of_melt[material])
+
+
+def _thermal(wide, mobile, reference):
     """Temperatures and energies of liquids and solids (a C of inf, which no step leaves, would not count)."""
     T, C = wide["temperature"][mobile], wide["heat_capacity"][mobile]
     if not T.size:
         return {}
     values = {"temperature_min": float(T.min()), "temperature_max": float(T.max())}
     free = np.isfinite(C)
-    T, C = T[free], C[free]
+    T, C, reference = T[free], C[free], reference[free]
     if C.any():
-        sensible = C * T
+        sensible = C * (T - reference)
         if "latent_point" in wide:  # C below the melting point, C_molten above it
             point, molten, room = (
                 wide[n][mobile][free] for n in ("latent_point", "heat_capacity_molten", "latent_capacity")
             )
             above = (room > 0) & (T > point)
-            sensible = np.where(above, C * np.where(above, point, 0) + molten * np.where(above, T - point, 0), sensible)
+            sensible = np.where(above, molten * (T - reference), sensible)  # the point is the reference
             C = np.where(above, molten, C)
         values["thermal_energy"] = float(sensible.sum())
         values["temperature_mean"] = float((C * T).sum() / C.sum())

@@ -33,6 +33,9 @@ def melt_particles(
 ):
     """Make liquid of the particles whose site melts; position, velocity, temperature, site stay.
 
+    Without latent heat (off, or 0) the physical law has C = m c_liquid from then on at the same T: the enthalpy
+    from the melting point jumps by (c_liquid - c_solid) m (T - T_m). With it C is c_liquid above T_m already.
+
     Own liquid: the mass stays and V0 = m / rho_liquid. Ambient liquid (the paper): V0 stays and
     m = rho_liquid V0, so mass is not conserved.
 

@@ -39,6 +39,25 @@ def test_stored_heat_minus_what_sources_brought_stays(heat, precision):
     assert abs(gained - brought) <= (1e-14 if precision == "double" else 1e-6) * size
 
 
+@pytest.mark.parametrize("refreeze", [False, True])
+def test_melting_away_from_0_degc_makes_no_heat(refreeze):
+    """Ice of another specific heat that melts at 10 degC, in warm air, whether its melt could freeze again or not."""
+    warm = scene(
+        fluid={"temperature": 60.0},
+        solid=[{"position": [0.4, 0.4, 0.6], "size": [0.4, 0.4, 0.4], "anchor": "base", "conductivity": 1e8,
+                "specific_heat": 2100.0, "melting_point": 10.0, "temperature": 0.0, "latent_heat": 1e4}],
+        heat={"law": "physical", "latent": True, "conductivity": 1e8, "refreeze": refreeze},
+        solver={"motion": False, "melt_to": "own", "density_form": "volume", "precision": "double"},
+    )
+    sim = Simulation(warm, "cpu")
+    before = sim.series()
+    for _ in range(60):
+        sim.step()
+    after = sim.series()
+    assert after["melted"] == 8 and after["thermal_energy"] > 0
+    assert abs(stored(after) - stored(before)) <= 1e-12 * abs(before["thermal_energy"])
+
+
 def test_a_heater_brings_its_rate():
     """8 particles of 0.008 m^3 in the box, 200 K/s for 0.2 s: 2.56 K m^3, whatever the heat exchange does."""
     for solver in ("pairs_coloured", "cg", "onesided"):
