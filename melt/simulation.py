@@ -19,13 +19,13 @@ from melt.geometry.lattice import lattice_fields
 from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
 from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
+from melt.position_based import pbf_fields
 from melt.preflight import findings
 from melt.scene import load_scene, scene_from_toml
 from melt.state import State
-from melt.systems import melting
 
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
-BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid")
+BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid", "compression")
 
 
 class Simulation:
@@ -51,6 +51,8 @@ class Simulation:
         if p.need.solids:
             sites = (self.initial[n] for n in ("site_cell", "site_body", "site_particle"))
             self.initial.arrays.update(lattice_fields(*sites, connect=self.scene.solver.connect))
+        if p.need.effect_precision:
+            self.initial.arrays.update(pbf_fields(self.scene, self.initial["phase"]))
         self.state = State(self.backend, p.precision, p.sizes, p.fields)
         given = (self.state, p.params, p.need, p.settings)
         if lockstep:
@@ -75,7 +77,7 @@ class Simulation:
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
         self.compile_seconds = compile_ahead(self.do, p.stages, progress)
-        melting.start(self.do)
+        p.system.start(self.do)
         mobile = np.isin(self.initial["phase"], (LIQUID, SOLID))
         self._start = {
             "solids": int((self.initial["phase"] == SOLID).sum()),
@@ -175,7 +177,7 @@ class Simulation:
 
 
 _OUTPUT = {
-    "id", "phase", "material", "position", "velocity", "density", "pressure", "temperature", "latent_energy",
+    "id", "phase", "material", "position", "velocity", "density", "pressure", "temperature", "latent_energy", "constraint",
 }
 
 

@@ -43,7 +43,7 @@ def support_of(i, j, support_radius, pbf):
     if pbf.uniform == 1:
         return pbf.support
     R_i, R_j = support_radius[i], support_radius[j]
-    return real(0.5) * (R_i + (R_j if R_j > real(0) else R_i))
+    return real(0.5) * ((R_i if R_i > real(0) else R_j) + (R_j if R_j > real(0) else R_i))
 
 
 @scalar

@@ -6,14 +6,21 @@ from melt.reference._pairs import separations
 
 
 def pair_supports(position, support_radius, pbf):
-    """Return R_ij (n, n) [m]; a particle without a radius takes its partner's."""
+    """Return R_ij (n, n) [m]; a particle without a radius takes its partner's, two without have 0."""
     n = position.shape[1]
     if pbf.uniform == 1:
         return np.full((n, n), float(pbf.support))
     R = support_radius.astype(np.float64)
-    own = np.where(R > 0, R, R.max(initial=1.0))
-    R_i, R_j = np.broadcast_to(own[:, None], (n, n)), np.broadcast_to(R[None, :], (n, n))
-    return 0.5 * (R_i + np.where(R_j > 0, R_j, R_i))
+    R_i, R_j = np.broadcast_to(R[:, None], (n, n)), np.broadcast_to(R[None, :], (n, n))
+    return 0.5 * (np.where(R_i > 0, R_i, R_j) + np.where(R_j > 0, R_j, R_i))
+
+
+def listed(neighbour_count, neighbour_index):
+    """Return which pairs (n, n) stand in the lists, and each particle with itself."""
+    near = np.eye(len(neighbour_count), dtype=bool)
+    for i, count in enumerate(neighbour_count):
+        near[i, neighbour_index[i, :count]] = True
+    return near
 
 
 def scale(row, R, kernel_scale, pbf):
@@ -42,4 +49,5 @@ def tables(position, support_radius, kernel_scale, pbf):
     """Return x_ij, r_ij, R_ij, W_ij and grad W_ij of all pairs."""
     x_ij, r = separations(position)
     R = pair_supports(position, support_radius, pbf)
+    R = np.where(R > 0, R, float(pbf.minimum_support))  # of pairs that never meet
     return x_ij, r, R, value(r, R, kernel_scale, pbf), gradient(x_ij, r, R, kernel_scale, pbf)

@@ -13,10 +13,10 @@ what only displaces):
 
 import numpy as np
 
-from melt.reference._pbf import tables
+from melt.reference._pbf import listed, tables
 
 
-def _listed(active_index, active_count):
+def _active(active_index, active_count):
     return active_index[: int(active_count[0])]
 
 
@@ -28,12 +28,14 @@ def pbf_lambda(
 
     Reads: position (3, n) [m], volume (n,) [m^3] (0 for what displaces nothing), mobility (n,) [1/kg],
         support_radius (n,) [m] and kernel_scale (3, t) (effect precision only), active_index (n,) of which
-        the first active_count[0] count; all pairs.
+        the first active_count[0] count; pairs of the neighbour lists.
     Writes: constraint (n,) [1], multiplier (n,) [kg m^2]; others keep theirs.
     """
-    on = _listed(active_index, active_count)
+    on = _active(active_index, active_count)
     V, w = volume.astype(np.float64), mobility.astype(np.float64)
     _, _, _, W, grad = tables(position, support_radius, kernel_scale, pbf)
+    near = listed(neighbour_count, neighbour_index)
+    W, grad = np.where(near, W, 0.0), np.where(near, grad, 0.0)
     C = (V[None, :] * W).sum(axis=1) - 1  # (1)
     per_pair = V[None, :] * grad
     g = per_pair.sum(axis=2)
@@ -54,12 +56,13 @@ def pbf_correction(
     Reads: as `pbf_lambda`, multiplier (n,) [kg m^2], iterations (n,) (effect precision only).
     Writes: correction (3, n) [m]; others keep theirs.
     """
-    on = _listed(active_index, active_count)
+    on = _active(active_index, active_count)
     V, w = volume.astype(np.float64), mobility.astype(np.float64)
     lam = multiplier.astype(np.float64)
     _, r, R, _, grad = tables(position, support_radius, kernel_scale, pbf)
     s = -float(pbf.push) * (np.where(r < R, 1 - (r / R) ** 2, 0.0) * float(pbf.push_scale)) ** 12
     bracket = lam[:, None] * V[None, :] + lam[None, :] * V[:, None] + s * (V[:, None] + V[None, :]) / 2
+    bracket = np.where(listed(neighbour_count, neighbour_index), bracket, 0.0)
     if pbf.uniform == 0:
         acting = np.maximum(iterations[:, None], iterations[None, :]) > iteration
         bracket = np.where(acting, bracket, 0.0)

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_validator
 
 from melt.scene.bodies import Fluid, Heater, Inflow, Obstacle, Solid
+from melt.scene.pbf import check_pbf
 from melt.scene.quantities import (
     Acceleration,
     Conductivity,
@@ -198,6 +199,8 @@ class Scene(Section):
             raise ValueError(
                 "fluid.sound_speed = legal follows from the sub-step: set time.n_sub to a number"
             )
+        if self.solver.pressure == "pbf":
+            check_pbf(self)
         if not self.solver.motion and self.heat is None:
             raise ValueError("solver.motion = false leaves nothing to do: add a [heat] section")
         for k, solid in enumerate(self.solid):
