@@ -2,7 +2,7 @@
 
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.pbf import acts, pair_scales, poly6, repulsion, spiky_over_r
+from melt.physics.pbf import acts, correction_factor, pair_scales, poly6, spiky_over_r
 
 
 @cuda_kernel
@@ -73,13 +73,11 @@ def _pbf_correction(
         z = real(z_i - position[2, j])
         r2 = x * x + y * y + z * z
         inverse, value, gradient = pair_scales(i, j, support_radius, kernel_scale, pbf)
-        s = real(0.5) * repulsion(r2, inverse, pbf)
-        bracket = lambda_i * volume[j] + multiplier[j] * V_i + s * (V_i + volume[j])
-        f = bracket * spiky_over_r(r2, inverse, gradient, pbf)
+        f = correction_factor(r2, inverse, gradient, V_i, lambda_i, volume[j], multiplier[j], mobility[j], pbf)
         f = f if acts(whole, j, iterations, iteration) else real(0)
-        dx -= f * x
-        dy -= f * y
-        dz -= f * z
+        dx += f * x
+        dy += f * y
+        dz += f * z
     scale = pbf.omega * mobility[i]
     correction[0, i] = scale * real(dx)  # (6)
     correction[1, i] = scale * real(dy)

@@ -5,6 +5,8 @@ With effect precision off all R are equal and the coefficients are constants of 
 choice is the same for all pairs, so the compiler takes it out of the neighbour loops.
 """
 
+import math
+
 import numpy as np
 
 from melt._compile import scalar
@@ -59,7 +61,7 @@ def spiky_over_r(r2, inverse, gradient, pbf):
     """Return f >= 0 with grad W2 = -f x_ij, from r^2, 1/R and the scale; 0 beyond R and for r < 1e-9 d."""
     real = type(r2)
     tiny = real(1e-18) * pbf.spacing * pbf.spacing
-    over_r = real(1) / np.sqrt(max(r2, tiny))
+    over_r = real(1) / math.sqrt(max(r2, tiny))
     a = max(real(1) - r2 * over_r * inverse, real(0))
     f = gradient * a * a * over_r
     return f if r2 > tiny else real(0)
@@ -67,12 +69,17 @@ def spiky_over_r(r2, inverse, gradient, pbf):
 
 @scalar
 def repulsion(r2, inverse, pbf):
-    r"""Return s_ij <= 0 [kg m^2], :math:`-(k_s/D_0) (W(r)/W(\Delta q))^4`: the scales cancel."""
+    r"""Return s_ij <= 0 [kg m^2], :math:`-(k_s/D_0) (W(r)/W(\Delta q))^4`: the scales cancel.
+
+    Below 1e-12 the ratio counts as 0: its product with mass and volume would be a denormal float32 for the
+    many pairs of a lattice that are just within R (measured: 5.5 instead of 2.6 ns per pair).
+    """
     real = type(r2)
     b = max(real(1) - r2 * (inverse * inverse), real(0)) * pbf.push_scale
     b3 = b * b * b
     b6 = b3 * b3
-    return -pbf.push * (b6 * b6)
+    b12 = b6 * b6
+    return -pbf.push * (b12 if b12 > real(1e-12) else real(0))
 
 
 @scalar
@@ -81,3 +88,13 @@ def acts(whole, j, iterations, iteration):
     if whole:
         return True
     return iterations[j] > iteration
+
+
+@scalar
+def correction_factor(r2, inverse, gradient, V_i, lambda_i, V_j, lambda_j, mobility_j, pbf):
+    """Return f of the pair's share f x_ij of the correction (6), before omega w_i; walls have no artificial pressure."""
+    real = type(r2)
+    s = real(0.5) * repulsion(r2, inverse, pbf)
+    s = s if mobility_j > real(0) else real(0)
+    bracket = lambda_i * V_j + lambda_j * V_i + s * (V_i + V_j)
+    return -bracket * spiky_over_r(r2, inverse, gradient, pbf)
