@@ -157,8 +157,8 @@ def _position_based(scene, initial, prepared):
         )
     if pbf.iterations == 1:
         found.append(Finding("warning", "one iteration per sub-step makes flows gain energy", "solver.pbf.iterations = 4"))
-    if pbf.push == 0:
-        found.append(Finding("warning", "without artificial pressure flows gain energy", "solver.pbf.push = 0.1"))
+    if pbf.push < 0.02:
+        found.append(Finding("warning", f"with an artificial pressure of {pbf.push:g} flows gain energy", "solver.pbf.push = 0.03"))
     return found
 
 

@@ -92,9 +92,12 @@ def acts(whole, j, iterations, iteration):
 
 @scalar
 def correction_factor(r2, inverse, gradient, V_i, lambda_i, V_j, lambda_j, mobility_j, pbf):
-    """Return f of the pair's share f x_ij of the correction (6), before omega w_i; walls have no artificial pressure."""
+    """Return f of the pair's share f x_ij of the correction (6), before omega w_i.
+
+    A partner that does not move (wall) pushes and never pulls; it has no multiplier of its own.
+    """
     real = type(r2)
     s = real(0.5) * repulsion(r2, inverse, pbf)
-    s = s if mobility_j > real(0) else real(0)
-    bracket = lambda_i * V_j + lambda_j * V_i + s * (V_i + V_j)
+    own = lambda_i if mobility_j > real(0) else min(lambda_i, real(0))
+    bracket = own * V_j + lambda_j * V_i + s * (V_i + V_j)
     return -bracket * spiky_over_r(r2, inverse, gradient, pbf)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from liquid_cases import BACKENDS, REALS, both, everywhere
-from pbf_cases import D, MASS, arrays, d0, lattice, pbf_tuple, run, vessel_tuple
+from pbf_cases import MASS, D, arrays, d0, lattice, pbf_tuple, run, vessel_tuple
 
 from melt.position_based import kernel_table, lattice_sums, squared_gradients, stiffness
 
@@ -110,6 +110,18 @@ def test_one_sided_never_pulls(backend):
     a = arrays([[0, 0, 0], [D, 0, 0]])
     run("pbf_lambda", backend, a, pbf_tuple(minimum_error=0.0))
     assert (a["constraint"] < 0).all() and (a["multiplier"] == 0).all()
+
+
+@everywhere
+def test_walls_push_and_never_pull(backend):
+    """Beside a wall, thin liquid is left alone; where it is too dense the wall pushes with lambda_i V_j alone."""
+    R = 2.2 * D
+    g = 45 / (np.pi * R**4 * lattice_sums(2.2).gradient) * 0.25
+    for lam in (0.5 / d0(2.2), -0.5 / d0(2.2)):
+        a = arrays([[0, 0, 0], [0.5 * R, 0, 0]], [0, 2], multiplier=[lam, 0])
+        c = run("pbf_correction", backend, a, iteration=0)["correction"]
+        assert c[0, 0] == pytest.approx(min(lam, 0) * D**3 * g / MASS, rel=1e-12)
+        assert (c[1:] == 0).all() and c[0, 1] == 0
 
 
 @everywhere

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from liquid_cases import both, everywhere
-from pbf_cases import D, MASS, arrays, lattice, pbf_tuple, run
+from pbf_cases import MASS, D, arrays, lattice, pbf_tuple, run
 
 
 @everywhere
