@@ -233,7 +233,7 @@ _LIST = [
            "effect_precision support_radius iterations", _FEW),
     _stage("iteration_key", "precision", "boiling 2.6", f"phase iterations {_NEAR}", "pbf", "iteration_key", _EXACT),
     _stage("active_list", "precision", "boiling 2.6", "iteration_key", "iteration", "active_index active_count chunk_sum", _EXACT,
-           partial=True, scratch="chunk_sum"),
+           scratch="chunk_sum"),
     # ---- surface: line 15
     _stage("surface", "surface", "melting 2.8", f"position phase volume {_NEAR}", "smoothing full_neighbours", "surface", _EXACT),
     _stage("surface_field", "surface_field", "melting 2.8", "position temperature cell_start surface_node", "grid reconstruction",

@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from melt._compile import scalar
+from melt._compile import scalar, scalar_lookup
 
 
-@scalar
+@scalar_lookup
 def scale_at(ratio, row, kernel_scale, pbf):
     """Return the entry of a row of the kernel table at R/d = ``ratio``, linear between its points."""
     real = type(ratio)
@@ -24,7 +24,7 @@ def scale_at(ratio, row, kernel_scale, pbf):
     return low + part * (high - low)
 
 
-@scalar
+@scalar_lookup
 def pair_scales(i, j, support_radius, kernel_scale, pbf):
     """Return 1/R_ij, the scale of W1 [1/m^3] and that of |grad W2| [1/m^4] of a pair (i = j: of itself)."""
     real = type(pbf.support)
@@ -38,7 +38,7 @@ def pair_scales(i, j, support_radius, kernel_scale, pbf):
     return inverse, value, scale_at(ratio, 1, kernel_scale, pbf) * cube * inverse
 
 
-@scalar
+@scalar_lookup
 def support_of(i, j, support_radius, pbf):
     """Return R_ij [m]."""
     real = type(pbf.support)
@@ -82,7 +82,7 @@ def repulsion(r2, inverse, pbf):
     return -pbf.push * (b12 if b12 > real(1e-12) else real(0))
 
 
-@scalar
+@scalar_lookup
 def acts(whole, j, iterations, iteration):
     """Return whether a pair acts in an iteration: the particle itself still iterates, or its partner does."""
     if whole:
