@@ -64,9 +64,8 @@ def test_lattice_in_walls_is_at_rest(backend, ratio, precision):
     liquid = phase == 0
     C = run("pbf_lambda", backend, a, pbf)["constraint"][liquid]
     run("pbf_correction", backend, a, pbf, iteration=0)
-    limit = 1e-12 if precision == "double" else 3e-6
-    assert np.abs(C).max() <= limit
-    assert np.abs(a["correction"][:, liquid]).max() <= limit * D
+    assert np.abs(C).max() <= (1e-12 if precision == "double" else 1e-6)
+    assert np.abs(a["correction"][:, liquid]).max() <= (1e-12 if precision == "double" else 3e-6) * D
 
 
 @everywhere
