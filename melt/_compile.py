@@ -7,7 +7,7 @@ Three decorators, one per kind of compiled function:
 ``cuda_kernel`` a private CUDA kernel; `Kernel.launch` runs it on a device, in the
                 simulator, or emulated on the host, as `melt.backend` has chosen
 
-``cpu_helper`` compiles a serial function used inside CPU stages.
+``scalar_lookup`` is a ``scalar`` that takes arrays. ``cpu_helper`` compiles a serial function used inside CPU stages.
 
 Switches (read once, at import): ``MELT_PARALLEL=0`` compiles the CPU stages without
 threads, ``MELT_CACHE_DIR`` moves the cache of compiled code.
@@ -111,6 +111,11 @@ def scalar(function):
     (measured: density 1.10, force 2.63 ns per pair on one thread, as with the flags).
     """
     return _cached(njit(error_model="numpy", fastmath=False, cache=CACHED)(function))
+
+
+def scalar_lookup(function):
+    """Compile a scalar formula that looks into arrays; plain Python in the simulator, whose arrays cannot be handed over."""
+    return function if SIMULATED else scalar(function)
 
 
 def cpu_stage(function):

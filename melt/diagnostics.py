@@ -82,6 +82,10 @@ def series(do, start):
     values["mass_created"] = balance - start["mass"] - start["mass_entered"](do.clock)
     if "density" in wide and do.clock.step > 0 and liquid.any():
         values.update(_compression(wide, liquid))
+    if "constraint" in wide and do.clock.step > 0 and liquid.any():
+        error = np.maximum(wide["constraint"][liquid], 0.0)  # before the last correction
+        values["density_error_max"] = float(error.max())
+        values["density_error_mean"] = float(error[error > 0].mean()) if error.any() else 0.0
     if "neighbour_count" in f and liquid.any():
         values["neighbours_mean"] = float(f["neighbour_count"][liquid].mean())
         values["neighbours_max"] = int(f["neighbour_count"].max())
@@ -106,7 +110,7 @@ _COUNTED = {
 
 
 _WANTED = (
-    "phase material position velocity mass volume density neighbour_count offenders "
+    "phase material position velocity mass volume density constraint neighbour_count offenders "
     "temperature heat_capacity heat_capacity_molten latent_point latent_capacity latent_energy"
 ).split()
 

@@ -25,6 +25,8 @@ EXTENTS = {
     "nucleus": "spare bodies for nucleation",
     "inlet": "particles of one layer of all nozzles together",
     "surface_node": "points at which the surface field is wanted",
+    "table": "points of the kernel table over the support radius",
+    "bin": "quarters of a spacing over the height of the domain and as much again",
     "reduction": "64 partial results of a fixed-shape reduction",
 }
 
@@ -70,6 +72,22 @@ _TABLE = [
     _f("latent_capacity", "particle", "real", "J", "latent_energy", "latent heat of the whole particle (K m^3 in paper mode)"),
     _f("latent_point", "particle", "real", "degC", "temperature", "temperature at which the particle melts or freezes, inf if it does neither"),
     _f("heat_capacity_molten", "particle", "real", "J/K", "heat_capacity", "heat capacity above latent_point (heat_capacity holds below it)"),
+    # position based fluid
+    _f("position_predicted", "3 particle", "position", "m", "spacing", "predicted position, before anything holds it back"),
+    _f("mobility", "particle", "real", "1/kg", "mobility", "inverse mass in the position solve; 0 for what only displaces (walls, solids, bubbles)"),
+    _f("constraint", "particle", "real", "1", "one", "density constraint C = rho/rho_0 - 1 of a liquid particle at its last iteration"),
+    _f("multiplier", "particle", "real", "kg m^2", "multiplier", "Lagrange multiplier lambda of the density constraint; 0 for others than liquid"),
+    _f("correction", "3 particle", "real", "m", "spacing", "position correction of one iteration, relaxed"),
+    _f("vorticity", "3 particle", "real", "1/s", "rate", "curl of the velocity"),
+    _f("effect_precision", "particle", "real", "1", "one", "effect precision F, from 0 to 1"),
+    _f("support_radius", "particle", "real", "m", "spacing", "support radius R_i of a liquid particle; 0 for others, which take their partner's"),
+    _f("iterations", "particle", "int", "1", "", "iterations J_i of a liquid particle in the next step; 0 for others"),
+    _f("iteration_key", "particle", "int", "1", "", "largest J of a liquid particle and its neighbours; 0 for others"),
+    _f("active_index", "particle", "int", "1", "", "particles whose key exceeds the iteration, ascending"),
+    _f("active_count", "1", "int", "1", "", "number of them"),
+    _f("kernel_scale", "3 table", "real", "1", "one", "315/(64 pi S), 45/(pi G), 45/(pi N_L) over the support radius"),
+    _f("height_bins", "bin", "int", "1", "", "liquid particles by height above the floor, in quarters of a spacing"),
+    _f("pbf_bounds", "2 reduction", "real", "m/s, 1", "speed", "largest speed and density constraint of liquid particles"),
     # heat solvers
     _f("heat_conductance", "particle neighbour", "real", "W/K", "conductance", "G_ij to each neighbour of the list"),
     _f("heat_rate", "reduction", "real", "1/s", "rate", "largest sum of G_ij/C_i of a particle"),
@@ -173,4 +191,5 @@ FIELDS = {field.name: field for field in _TABLE}
 #: Particle fields that travel when particles are sorted. All else is derived within a step.
 CARRIED = (
     "id phase material site position velocity mass rest_volume temperature latent_energy latent_capacity"
+    " position_predicted effect_precision support_radius iterations"
 ).split()

@@ -138,6 +138,45 @@ class Domain(NamedTuple):
     delete: int  # 1: lost particles become inactive, 0: they fly on
 
 
+class Pbf(NamedTuple):
+    """Position based fluid: kernels with lattice normalisation, solve, velocity filters. Boiling spec 2.0-2.2, 2.6."""
+
+    spacing: float  # d [m]
+    support: float  # R, the largest support radius [m]
+    uniform: int  # 1: every particle has R and all iterations (effect precision off)
+    value_scale: float  # of W1 at R: 315/(64 pi R^3 S) [1/m^3]
+    gradient_scale: float  # of |grad W2| at R: 45/(pi R^4 G) [1/m^4]
+    table_start: float  # R/d of the first point of `kernel_scale`
+    table_step: float  # points per unit of R/d
+    table_last: int  # index of the last point, which stands at R
+    omega: float  # relaxation [1]
+    softening: float  # eps = eps_rel D0 [1/(kg m^2)]
+    minimum_error: float  # C_min: -1 two-sided, 0 only pushes apart
+    push: float  # artificial pressure k_s/D0 [kg m^2]
+    push_scale: float  # 1/(1 - (Dq/R)^2)
+    blend: float  # gamma of XSPH [1/s]
+    vorticity: float  # eps_v of vorticity confinement [m/s]
+    iterations: int  # J
+    minimum_iterations: int  # J_min
+    minimum_support: float  # R_min [m]
+    height_share: float  # a_F; b_F = 1 - a_F
+    minimum_precision: float  # F_min
+    precision_time: float  # time constant of F [s]
+    floor: float  # height of the floor [m]
+    inverse_bin: float  # 4/d, bins of the height histogram per metre
+
+
+class Vessel(NamedTuple):
+    """Box that liquid positions are clamped to: a quarter of a spacing inside the walls, open sides far away."""
+
+    lower_x: float  # [m]
+    lower_y: float
+    lower_z: float
+    upper_x: float
+    upper_y: float
+    upper_z: float
+
+
 def make(kind, real, **values):
     """Return ``kind(**values)`` with every float cast to ``real`` and every int to int32.
 

@@ -14,14 +14,16 @@ from melt.bind import Recorder
 from melt.constants import lattice_offsets, params_of, sound_speed_of
 from melt.fields import CARRIED, FIELDS
 from melt.physics.phases import LIQUID, SOLID
+from melt.position_based import POINTS, pbf_of, vessel_of
 from melt.state import REAL, bytes_of
-from melt.systems import melting
+from melt.systems import boiling, melting
 from melt.systems.heat import thermal_substeps
 
 #: Fields every run holds, whatever its stages use: they are written to the run file.
 ALWAYS = ("id", "phase", "material", "position", "velocity", "mass", "rest_volume")
 #: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
 ONLY_IF = {
+    "effect_precision": ("support_radius", "iterations", "kernel_scale"),
     "latent": ("latent_energy", "latent_capacity", "latent_point", "heat_capacity_molten"),
 }
 
@@ -31,6 +33,7 @@ class Prepared:
     """All that a run needs beside its initial arrays."""
 
     page: callable  # step(do, dt)
+    system: object  # the module of the step page: start, step, step_limits
     need: SimpleNamespace  # what the scene requires
     settings: SimpleNamespace  # run-time choices of the step page
     params: dict  # parameter tuples by registry name
@@ -53,10 +56,15 @@ class Prepared:
 def needs(scene, initial):
     """Return what the scene requires, as booleans that the step page asks for."""
     heat, fluid, solver = scene.heat, scene.fluid, scene.solver
+    pbf = scene.solver.pressure == "pbf"
     solids = initial.counts["solid"] > 0 or bool(scene.heat and heat.refreeze and scene.solid)
     melts = np.isfinite(initial["material_melting_point"]).any()
     matter = initial.counts["wall"] > 0 or solids
     return SimpleNamespace(
+        pbf=pbf,
+        effect_precision=pbf and solver.pbf.precision,
+        vorticity=pbf and solver.pbf.vorticity > 0,
+        blend=pbf and solver.pbf.xsph > 0,
         solids=solids,
         heat=heat is not None,
         latent=heat is not None and heat.latent,
@@ -73,7 +81,7 @@ def needs(scene, initial):
         drag=fluid.drag > 0,
         surface_tension=fluid.surface_tension > 0,
         xsph=fluid.xsph > 0,
-        guard=solver.guard and matter,
+        guard=solver.guard and matter and not pbf,
         contact=solver.contact and solids,
         domain=scene.domain.leave == "delete",
     )
@@ -141,6 +149,8 @@ def sizes_of(scene, initial, params, precision):
         "heater": initial["heater_mode"].size if "heater_mode" in initial else 0,
         "inlet": initial["inflow_mass"].size if "inflow_mass" in initial else 0,
         "nucleus": initial["nucleus_sites"].shape[1],
+        "table": POINTS,
+        "bin": 8 * scene.domain.cells[2],
         "reduction": 64,
     }
 
@@ -158,16 +168,22 @@ def prepare(scene, initial, precision=None):
     params = params_of(scene, initial["id"].size, sound_speed, REAL[precision])
     need = needs(scene, initial)
     settings = settings_of(scene, initial, sound_speed, precision)
-    page = melting.step if scene.solver.motion else melting.still_step
+    system = melting
+    if need.pbf:
+        system, warning = boiling, ""
+        settings.__dict__.update(boiling.settings_of(scene, depth))
+        params.update(pbf=pbf_of(scene, REAL[precision]), vessel=vessel_of(scene, REAL[precision]))
+    page = system.step if scene.solver.motion else melting.still_step
     do = Recorder(params, need, settings)
     do.clock.layers = dict.fromkeys((nozzle.name for nozzle in initial.nozzles), 0)
-    melting.start(do)
+    system.start(do)
     page(do, scene.time.dt)
     absent = {f for what, fields in ONLY_IF.items() if not getattr(need, what) for f in fields}
     names = {*ALWAYS, *do.fields} - absent
     sizes = sizes_of(scene, initial, params, precision)
     return Prepared(
         page,
+        system,
         need,
         settings,
         params,
@@ -210,6 +226,8 @@ def scales_of(scene, initial, settings):
         "number_density": 1 / dx**3,
         "rate": 0.1 * cs / dx,
         "acceleration": cs**2 / dx * 0.01,
+        "mobility": 1 / mass,
+        "multiplier": 0.1 * mass * dx**2,
         "rate2": (0.1 * cs / dx) ** 2,
     }
 

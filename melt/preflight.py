@@ -11,8 +11,9 @@ from melt.forecast import forecast
 from melt.geometry.build import build
 from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
 from melt.plan import prepare
+from melt.position_based import bottom_compression, relaxation, stiffness
 from melt.stages import STAGES
-from melt.systems.melting import over_limit, step_limits
+from melt.systems.melting import over_limit
 
 #: Why a bound is small, and what moves it.
 WHY = {
@@ -78,14 +79,15 @@ def limits(prepared, speed=0.0):
         class clock:
             max_speed, max_acceleration = speed, 0.0
 
-    return step_limits(Start)
+    return prepared.system.step_limits(Start)
 
 
 def findings(scene, initial, prepared):
     """Return the `Finding` list of a scene."""
     found = [Finding("note", note) for note in initial.notes]
     found += [Finding("warning", text) for text in prepared.warnings]
-    for check in (_overlap, _walls, _density, _resolution, _sub_steps, _heat):
+    liquid = _position_based if prepared.need.pbf else _density
+    for check in (_overlap, _walls, liquid, _resolution, _sub_steps, _heat):
         found += check(scene, initial, prepared)
     return found
 
@@ -143,6 +145,27 @@ def _density(scene, initial, prepared):
     if worst > max(0.01, 2 * scene.fluid.compression):
         return [Finding("warning", text, "solver.calibrate_mass = true, or liquid regions that do not overlap")]
     return [Finding("note", text)]
+
+
+def _position_based(scene, initial, prepared):
+    """What the lattice says about stability and stiffness of the position based solve."""
+    s, pbf = prepared.settings, scene.solver.pbf
+    dt = scene.time.dt / (s.n_sub or max(1, math.ceil(scene.time.dt / s.longest_step * (1 - 1e-9))))
+    product = relaxation(scene) * stiffness(scene.solver.support).largest
+    text = (
+        f"position based fluid: predicted compression at the bottom {bottom_compression(scene, s.layers, dt):.2%} with "
+        f"sub-steps of {dt:.3g} s; omega' Lmax = {product:.2f} of 2"
+    )
+    found = [Finding("note", text)]
+    if product > 1.5:
+        found.append(
+            Finding("warning", f"omega' Lmax = {product:.2f}: the solve converges slowly or not at all above 1.5", "solver.pbf.eps_rel")
+        )
+    if pbf.iterations == 1:
+        found.append(Finding("warning", "one iteration per sub-step makes flows gain energy", "solver.pbf.iterations = 4"))
+    if pbf.push < 0.02:
+        found.append(Finding("warning", f"with an artificial pressure of {pbf.push:g} flows gain energy", "solver.pbf.push = 0.03"))
+    return found
 
 
 def _resolution(scene, initial, prepared):
@@ -203,7 +226,8 @@ def _head(p):
     )
     yield f"requires: {', '.join(k for k, v in vars(p.prepared.need).items() if v) or 'liquid only'}"
     if scene.solver.motion:
-        yield f"sound speed {s.sound_speed:.4g} m/s; outer step {scene.time.dt:g} s to t = {scene.time.end:g} s"
+        sound = "" if p.prepared.need.pbf else f"sound speed {s.sound_speed:.4g} m/s; "
+        yield f"{sound}outer step {scene.time.dt:g} s to t = {scene.time.end:g} s"
 
 
 def _stages(p):

@@ -19,14 +19,14 @@ from melt.geometry.lattice import lattice_fields
 from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
 from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
+from melt.position_based import pbf_fields
 from melt.preflight import findings
 from melt.scene import load_scene, scene_from_toml
 from melt.scene.model import OUTPUT_FIELDS
 from melt.state import State
-from melt.systems import melting
 
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
-BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid")
+BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid", "compression")
 
 
 class Simulation:
@@ -52,6 +52,8 @@ class Simulation:
         if p.need.solids:
             sites = (self.initial[n] for n in ("site_cell", "site_body", "site_particle"))
             self.initial.arrays.update(lattice_fields(*sites, connect=self.scene.solver.connect))
+        if p.need.effect_precision:
+            self.initial.arrays.update(pbf_fields(self.scene, self.initial["phase"]))
         self.state = State(self.backend, p.precision, p.sizes, p.fields)
         given = (self.state, p.params, p.need, p.settings)
         if lockstep:
@@ -65,8 +67,7 @@ class Simulation:
                 self.state.set(name, self.initial[name])
         # liquids start at their rest density: what reads it before the first density pass sees that
         used = np.maximum(self.initial["rest_volume"], 1e-300)
-        begin = {"density": self.initial["mass"] / used, "volume": self.initial["rest_volume"]}
-        for name, values in begin.items():
+        for name, values in (("density", self.initial["mass"] / used), ("volume", self.initial["rest_volume"])):
             if name in self.state:
                 self.state.set(name, values)
         self._timed_from = self._notes_from = 0
@@ -76,7 +77,7 @@ class Simulation:
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
         self.compile_seconds = compile_ahead(self.do, p.stages, progress)
-        melting.start(self.do)
+        p.system.start(self.do)
         mobile = np.isin(self.initial["phase"], (LIQUID, SOLID))
         self._start = {
             "solids": int((self.initial["phase"] == SOLID).sum()),

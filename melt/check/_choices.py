@@ -1,7 +1,7 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _cloud
+from melt.check import _cloud, _pbf
 
 #: Parameter tuples with values that exercise every term.
 TUPLES = {
@@ -69,6 +69,11 @@ TUPLES = {
         P.Reconstruction,
         dict(reach=2 * _cloud.SPACING, radius=0.6 * _cloud.SPACING, correct=1, temperature=1),
     ),
+    "pbf": (P.Pbf, _pbf.constants()),
+    "vessel": (
+        P.Vessel,
+        dict(lower_x=0.05, lower_y=-1e30, lower_z=0.02, upper_x=1.25, upper_y=1e30, upper_z=1e30),
+    ),
     "domain": (
         P.Domain,
         dict(lower_x=-1.0, lower_y=-1.0, lower_z=-1.0, upper_x=1.5, upper_y=6.0, upper_z=20.0, delete=1),
@@ -86,6 +91,8 @@ SCALARS = {
     "slot": 7,
     "lag": 2e-3,
     "reverse": 0,
+    "iteration": 2,
+    "height": 0.6,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.
@@ -107,6 +114,7 @@ SWITCHES = {
         "wall_fixed": (0, 1),
     },
     "contact": {"connect": (6, 18, 26)},
+    "pbf": {"uniform": (0, 1), "minimum_error": (-1.0, 0.0)},
     "change": {"own_liquid": (0, 1), "latent": (0, 1)},
     "domain": {"delete": (0, 1)},
     "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},

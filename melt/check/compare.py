@@ -94,9 +94,11 @@ def run_stage(name, backend, arrays, params, function=None):
 def meaning(field, outputs):
     """Return a mask of the elements of an output that mean anything, or None for all.
 
-    A neighbour row means nothing behind its count, and nothing at all if it overflowed: the host
-    grows the lists and has them built again.
+    A list of particles means nothing behind its count. A neighbour row means nothing behind its count, and
+    nothing at all if it overflowed: the host grows the lists and has them built again.
     """
+    if field == "active_index" and "active_count" in outputs:
+        return np.arange(outputs[field].shape[0]) < outputs["active_count"][0]
     if field != "neighbour_index" or "neighbour_count" not in outputs:
         return None
     count, capacity = outputs["neighbour_count"], outputs[field].shape[1]

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from melt import params as P
-from melt.check import _cloud, _sites, _thermal
+from melt.check import _cloud, _pbf, _sites, _thermal
 from melt.check._choices import EXTRA, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
@@ -56,6 +56,8 @@ def scales(n):
         heat=mass * 3e4,
         number_density=1 / volume,
         one=1.0,
+        mobility=1 / mass,
+        multiplier=0.05 / _pbf.D0,
         rate=speed / _cloud.SPACING,
         rate2=(speed / _cloud.SPACING) ** 2,
         acceleration=pressure / 1000 / _cloud.SPACING,
@@ -71,6 +73,7 @@ def scene(n, seed, ordered, width, connect):
     arrays.update(particle_fields(arrays, scales(n), rng))
     _sites.sites(n, arrays, rng, width, connect)
     arrays.update(special_fields(arrays, rng))
+    arrays.update(_pbf.fields(arrays, rng))
     for array in arrays.values():
         array.flags.writeable = False
     return arrays, grid
@@ -114,6 +117,8 @@ def _sizes(arrays, grid):
         inlet=len(arrays["inflow_mass"]),
         nucleus=arrays["nucleus_sites"].shape[1],
         reduction=64,
+        table=arrays["kernel_scale"].shape[1],
+        bin=len(arrays["height_bins"]),
     )
 
 

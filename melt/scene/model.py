@@ -8,6 +8,7 @@ from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_
 
 from melt.errors import InputError
 from melt.scene.bodies import Fluid, Heater, Inflow, Obstacle, Solid
+from melt.scene.pbf import check_pbf
 from melt.scene.quantities import (
     Acceleration,
     Conductivity,
@@ -25,7 +26,7 @@ from melt.scene.quantities import (
 from melt.scene.solver import Solver
 
 #: Particle fields that a run file may have.
-OUTPUT_FIELDS = "id phase material position velocity density pressure temperature latent_energy".split()
+OUTPUT_FIELDS = "id phase material position velocity density pressure temperature latent_energy constraint".split()
 MOST_STEPS = 1_000_000_000
 SIDES = ("x-", "x+", "y-", "y+", "z-", "z+")
 _SIDE_NAMES = {"floor": ("z-",), "lid": ("z+",), "sides": SIDES[:4], "all": SIDES, "none": ()}
@@ -227,6 +228,8 @@ class Scene(Section):
             raise ValueError(
                 "fluid.sound_speed = legal follows from the sub-step: set time.n_sub to a number"
             )
+        if self.solver.pressure == "pbf":
+            check_pbf(self)
         if not self.solver.motion and self.heat is None:
             raise ValueError("solver.motion = false leaves nothing to do: add a [heat] section")
         for k, solid in enumerate(self.solid):

@@ -40,7 +40,15 @@ INTEGERS = {
     "i",
     "j",
     "k",
+    "iteration",
+    "first",
+    "second",
+    "row",
 }
+#: Words of a random generator: uint64.
+WORDS = {"c0", "c1", "c2", "c3", "k0", "k1"}
+#: Arguments that are arrays: shape and kind, None for that of the other reals.
+ARRAYS = {"support_radius": (4, None), "kernel_scale": ((3, 65), None), "pbf.iterations": (4, np.int32)}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
     ("polar.horn", "A"): 9,
@@ -75,6 +83,11 @@ def values(name, parameters, real):
     for k, parameter in enumerate(parameters):
         if parameter in tuples(real):
             found.append(tuples(real)[parameter])
+        elif parameter in WORDS:
+            found.append(np.uint64(7))
+        elif parameter in ARRAYS or f"{name.split('.')[0]}.{parameter}" in ARRAYS:
+            shape, kind = ARRAYS.get(parameter) or ARRAYS[f"{name.split('.')[0]}.{parameter}"]
+            found.append(np.full(shape, 0.4).astype(kind or real))
         elif parameter in INTEGERS and (name, parameter) not in REALS:
             found.append(np.int32(1))
         elif (name, parameter) in NUMBERS:

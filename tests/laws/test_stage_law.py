@@ -20,6 +20,7 @@ LONG = {
     "force": "both partners' mechanical state, and the pressure that walls carry",
     "contact": "pairs of one body are skipped by lattice distance, which needs its sites beside the motion",
     "freezing": "a liquid particle is matched with sites, regions and the material it freezes to at once",
+    "pbf": "both partners' share in the solve, the lists, and which of the pairs act in an iteration",
     "rigid": "both the sites and the motion of a body and of its particles",
 }
 

@@ -1,0 +1,32 @@
+"""What a scene may ask of the position based fluid. Boiling spec 2.1, 6."""
+
+from melt.position_based import relaxation, stiffness
+
+
+def check_pbf(scene):
+    """Refuse, in words, what the position based fluid cannot do or what would not be stable.
+
+    Raises:
+        ValueError: with the remedy.
+    """
+    s, f = scene.solver, scene.fluid
+    missing = {
+        "solids ([[solid]])": bool(scene.solid),
+        "heat ([heat])": scene.heat is not None,
+        "inflow ([[inflow]])": bool(scene.inflow),
+        "fluid.viscosity = laminar": f.viscosity == "laminar" and f.mu > 0,
+        "fluid.drag": f.drag > 0,
+        "fluid.surface_tension": f.surface_tension > 0,
+        "fluid.xsph (use solver.pbf.xsph)": f.xsph > 0,
+    }
+    if wanted := [name for name, here in missing.items() if here]:
+        raise ValueError(f"solver.pressure = pbf moves liquid between walls, without {', '.join(wanted)}: use wcsph")
+    if s.support < 1.6:
+        raise ValueError(f"solver.support = {s.support:g} is too short for pressure = pbf: at least 1.6 (lattice sums collapse)")
+    product = relaxation(scene) * stiffness(s.support).largest
+    if product > 2:
+        raise ValueError(
+            f"solver.pbf: omega/(1 + eps_rel) = {relaxation(scene):.3g} times the lattice's largest eigenvalue "
+            f"{stiffness(s.support).largest:.3g} is {product:.3g}, above 2 the solve diverges: "
+            f"lower omega, or raise eps_rel to {s.pbf.omega * stiffness(s.support).largest / 1.5 - 1:.2g} or more"
+        )
