@@ -66,8 +66,8 @@ _THERMAL = f"conductivity heat_volume heat_capacity {_LATENT}"
 _ENTHALPY = f"heat_capacity {_LATENT} heat_conductance"
 _LIST = [
     # ---- inflow: new particles into the inactive slots that follow the sorted active ones
-    _stage("emit_motion", "inflow", "melting 1 stage 0", "inflow_position inflow_velocity phase position velocity",
-           "first count slot lag", "phase position velocity", _FEW, partial=True),
+    _stage("emit_motion", "inflow", "melting 1 stage 0", "inflow_position inflow_velocity phase position velocity latent_energy",
+           "first count slot lag", "phase position velocity latent_energy", _FEW, partial=True),
     _stage("emit_matter", "inflow", "melting 1 stage 0", "inflow_mass inflow_volume inflow_temperature inflow_material"
            " mass rest_volume temperature material site", "first count slot", "mass rest_volume temperature material site", _COPY, partial=True),
     # ---- neighbours: line 1-2

@@ -1,14 +1,18 @@
 """CPU twin of `melt.reference.inflow`."""
 
+import math
+
 from melt._compile import cpu_stage, prange
 from melt.physics.phases import LIQUID
 
 
 @cpu_stage
-def emit_motion(inflow_position, inflow_velocity, first, count, slot, lag, phase, position, velocity):
+def emit_motion(inflow_position, inflow_velocity, first, count, slot, lag, phase, position, velocity, latent_energy):
     """See `melt.reference.inflow.emit_motion`."""
     for k in prange(count):
         phase[slot + k] = LIQUID
+        if latent_energy.shape[0] > 0:
+            latent_energy[slot + k] = latent_energy.dtype.type(math.inf)
         for a in range(3):
             v = inflow_velocity[a, first + k]
             velocity[a, slot + k] = v

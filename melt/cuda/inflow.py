@@ -1,25 +1,29 @@
 """CUDA twin of `melt.reference.inflow`."""
 
+import math
+
 from melt._compile import cuda, cuda_kernel
 from melt.physics.phases import LIQUID
 
 
 @cuda_kernel
-def _emit_motion(inflow_position, inflow_velocity, first, count, slot, lag, phase, position, velocity):
+def _emit_motion(inflow_position, inflow_velocity, first, count, slot, lag, phase, position, velocity, latent_energy):
     k = cuda.grid(1)
     if k >= count:
         return
     phase[slot + k] = LIQUID
+    if latent_energy.shape[0] > 0:
+        latent_energy[slot + k] = latent_energy.dtype.type(math.inf)
     for a in range(3):
         v = inflow_velocity[a, first + k]
         velocity[a, slot + k] = v
         position[a, slot + k] = inflow_position[a, first + k] + lag * v
 
 
-def emit_motion(inflow_position, inflow_velocity, first, count, slot, lag, phase, position, velocity):
+def emit_motion(inflow_position, inflow_velocity, first, count, slot, lag, phase, position, velocity, latent_energy):
     """See `melt.reference.inflow.emit_motion`."""
     _emit_motion.launch(
-        count, inflow_position, inflow_velocity, first, count, slot, lag, phase, position, velocity
+        count, inflow_position, inflow_velocity, first, count, slot, lag, phase, position, velocity, latent_energy
     )
 
 
