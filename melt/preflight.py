@@ -195,13 +195,20 @@ def _sub_steps(scene, initial, prepared):
 
 def _heat(scene, initial, prepared):
     if scene.heat is None:
-        return []
+        points = [s for s in scene.solid if "melting_point" in s.model_fields_set and math.isfinite(s.melting_point)]
+        if not points:
+            return []
+        text = f"solid {points[0].name!r} has a melting point, but without a [heat] section nothing warms or melts"
+        return [Finding("warning", text, "add [heat] to the scene")]
     from melt.systems.heat import chosen_solver
 
     fo = prepared.settings.fourier_number
     limit = scene.support**2 / 14.2 / max(fo * scene.spacing**2 / scene.time.dt, 1e-300)
     solver = chosen_solver(prepared.settings)
     found = [Finding("note", f"heat: Fourier number {fo:.3g}, solver {solver}, explicit limit {limit:.3g} s")]
+    scale = scene.heat.conductivity_scale
+    if scene.heat.law == "physical" and scale != 1:
+        found.append(Finding("note", f"heat: conducts {scale:g} times as fast as its materials do (heat.conductivity_scale)"))
     if fo > 0.5 and solver.startswith("pairs"):
         found.append(
             Finding(

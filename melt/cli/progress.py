@@ -1,5 +1,6 @@
 """Progress of a run: a bar on a terminal, plain lines elsewhere."""
 
+import os
 import sys
 import time
 
@@ -73,7 +74,7 @@ class RunProgress:
             self._bar.start()  # at once: nothing else tells why nothing happens
             self._bar.update(self._task, description=message, completed=done, total=total)
         elif not self._compiling:
-            self.say(f"{message}: {total} of them, one to two minutes on two cores for all" if total else message)
+            self.say(f"{message}: {total} of them, about {max(1, round(1.3 * total / (os.cpu_count() or 1)))} s" if total else message)
             self._told = (_now(), 0)
         elif _now() - self._told[0] >= EVERY:
             self.say(f"{message}: {done} of {total} done")

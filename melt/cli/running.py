@@ -47,6 +47,8 @@ def run(
     end = _seconds(until)
     _precision(precision)
     output = output or pathlib.Path(f"{pathlib.Path(scene).stem}.vtkhdf")
+    if output.suffix.lower() in (".mp4", ".png", ".jpg", ".ply", ".obj", ".stl", ".pov"):
+        raise MeltError(f"run writes a run file, not a {output.suffix}: name it {output.with_suffix('.vtkhdf')}, then `melt render` it")
     with contextlib.suppress(OSError, ValueError):  # no such file yet, or never
         if os.path.samefile(find_scene(scene), output):
             raise MeltError(f"the output {output} is the scene file itself: name another file with --output")

@@ -6,9 +6,10 @@ from melt.output.checkpoint import beside
 from melt.output.run_reader import open_run
 from melt.physics.phases import PHASE_NAMES
 
-#: What a value does not say by its name.
+#: What a value does not say by its name, by solver.melt_to.
 MEANING = {
-    "last mass_created": " (what melts keeps its volume and takes the liquid's density: solver.melt_to = water; own keeps mass)"
+    "water": {"last mass_created": " (what melts keeps its volume and takes the liquid's density; solver.melt_to = own keeps mass)"},
+    "own": {"last mass_created": " (solver.melt_to = own: what melts keeps its mass)"},
 }
 
 
@@ -25,10 +26,12 @@ def describe(run_path):
         rows.append(
             ("fields", ", ".join(f"{name} [{unit}]" for name, unit in sorted(run.units.items())) or "none")
         )
+        solids = "[[solid]]" in run.scene_text
+        meaning = MEANING["own" if 'melt_to = "own"' in run.scene_text else "water"] if solids else {}
         rows += [
             (
                 name.replace("_", " "),
-                _value(values[-1], unit) + MEANING.get(name, "") if len(values) else "",
+                _value(values[-1], unit) + meaning.get(name, "") if len(values) else "",
             )
             for name, values, unit in _last_values(run)
         ]

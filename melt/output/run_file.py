@@ -38,8 +38,14 @@ _SERIES_UNITS = (
 )
 
 
-def series_unit(name):
+#: Heats: in K m^3 where a heat capacity is a volume (heat.law = paper).
+_HEATS = ("thermal_energy", "latent_energy", "energy_in")
+
+
+def series_unit(name, paper=False):
     """Return the unit of a series: ms for ``ms/...``, else by the last known word in its name."""
+    if paper and name in _HEATS:
+        return "K m^3"
     if name.startswith("ms/"):
         return "ms"
     words = name.replace("/", "_").split("_")
@@ -106,6 +112,7 @@ class RunWriter:
         self._root = Group()
         self._root.group("VTKHDF").attrs = {"Version": np.array([2, 3], np.int64), "Type": b"PolyData"}
         melt = self._root.group("melt")
+        self._paper = 'law = "paper"' in scene_text
         text = scene_text.encode() or b"\n"
         melt.children["scene"] = Small(f"S{len(text)}", None)
         melt.group("provenance").attrs = dict(provenance)
@@ -138,7 +145,7 @@ class RunWriter:
         from melt.output.run_reader import load_tree
 
         self = cls.__new__(cls)
-        self.path, self._broken, self._beside = followed(path), None, None
+        self.path, self._broken, self._beside, self._paper = followed(path), None, None, False  # series have their units
         self._root, self.frames, end = load_tree(self.path)
         try:
             self._file = hdf5.File(self.path, os.O_RDWR, sync)
@@ -238,7 +245,7 @@ class RunWriter:
             parent = group.group(folder) if folder else group
             if last not in parent.children:
                 whole = isinstance(series[name], (int, np.integer))
-                dataset = Small(np.int64 if whole else np.float64, unit=series_unit(name))
+                dataset = Small(np.int64 if whole else np.float64, unit=series_unit(name, self._paper))
                 dataset.append(self._file, np.full(self.frames, 0 if whole else np.nan))
                 parent.children[last] = dataset
             dataset = parent.children[last]

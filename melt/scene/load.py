@@ -39,7 +39,7 @@ def find_scene(name):
     shipped = shipped_scenes()
     if str(name) in shipped:
         return shipped[str(name)]
-    if path.suffix == ".toml" and path.name != str(name):
+    if path.suffix == ".toml":
         raise SceneError(
             f"scene file {str(name)!r} does not exist: check the path; melt scenes lists shipped ones"
         )

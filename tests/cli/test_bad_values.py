@@ -78,3 +78,14 @@ def test_a_time_step_too_small_is_refused_without_a_warning_of_numpy(precision, 
         warnings.simplefilter("error")
         result = melt("plan", scene, "--set", f"time.dt={dt}", "--precision", precision)
     refused(result, f"time.dt = {dt} s is too small")
+
+
+def test_a_run_is_not_written_under_the_name_of_a_picture(tmp_path):
+    refused(melt("run", "ice_cube_small", "-o", tmp_path / "a.mp4"), "run writes a run file, not a .mp4", "a.vtkhdf")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_melting_point_without_heat_is_told(tmp_path):
+    (tmp_path / "cold.toml").write_text(SCENE + SOLID.replace('"-500 degC"', "-5\nmelting_point = 0"))
+    told = melt("plan", tmp_path / "cold.toml")
+    assert told.exit_code == 0 and "nothing warms or melts" in told.stdout

@@ -151,9 +151,17 @@ def test_closed_pipe_is_no_error(whole):
     assert process.returncode == 0 and said == ""
 
 
-def test_info_says_what_mass_created_means(whole):
-    line = next(line for line in command("info", whole).stdout.splitlines() if line.startswith("last mass created"))
-    assert "solver.melt_to" in line
+def test_info_says_what_mass_created_means_where_something_can_melt(whole, tmp_path):
+    def line(path):
+        return next(text for text in command("info", path).stdout.splitlines() if text.startswith("last mass created"))
+
+    assert "solver.melt_to" not in line(whole)  # no solids
+    out = tmp_path / "ice.vtkhdf"
+    command("run", "ice_cube_small", "-o", out, "--until", "0.01")
+    assert "solver.melt_to = own keeps mass" in line(out)
+    own = ("--set", "solver.melt_to=own", "--set", "solver.density_form=volume")
+    command("run", "ice_cube_small", "-o", out, "-f", "--until", "0.01", *own)
+    assert "solver.melt_to = own: what melts keeps its mass" in line(out)
 
 
 def test_sigterm_ends_with_a_whole_file(scene, tmp_path):

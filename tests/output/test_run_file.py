@@ -233,3 +233,10 @@ def test_resume_refuses_more_frames_than_there_are(tmp_path):
 def test_metadata_do_not_pile_up(tmp_path):
     path = write(tmp_path / "a.vtkhdf", [0] * 400)
     assert path.stat().st_size < 400_000  # 8 areas; one per frame would be 8 MB
+
+
+def test_heats_of_the_paper_law_are_no_joules():
+    from melt.output.run_file import series_unit
+
+    assert series_unit("thermal_energy") == "J" and series_unit("thermal_energy", paper=True) == "K m^3"
+    assert series_unit("kinetic_energy", paper=True) == "J"
