@@ -141,7 +141,7 @@ try:
     import numba_cuda  # noqa: F401  (numba's own copy of the CUDA target is untested: never used)
     from numba import cuda
 except ImportError:
-    cuda, CUDA_MISSING = cuda_standin, "the package numba-cuda is not installed (pip install 'melt[cuda13]')"
+    cuda, CUDA_MISSING = cuda_standin, "the package numba-cuda is not installed (pip install 'numba-cuda[cu13]', or [cu12] for CUDA 12)"
 else:
     CUDA_MISSING = ""
 

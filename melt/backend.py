@@ -36,8 +36,8 @@ class Backend(NamedTuple):
 
 def why_no_device():
     """Return why CUDA cannot be used here, or an empty string if it can."""
-    if _compile.CUDA_MISSING:  # its own name: melt[cuda13] is found only where melt is on an index
-        return "the package numba-cuda is not installed (pip install 'numba-cuda[cu13]', or [cu12] for CUDA 12)"
+    if _compile.CUDA_MISSING:
+        return _compile.CUDA_MISSING
     if _compile.SIMULATED:
         return "NUMBA_ENABLE_CUDASIM=1 replaces the device by the simulator"
     if not _compile.cuda.is_available():

@@ -21,7 +21,7 @@ import numpy as np
 from melt.reference._pairs import gradW, separations
 
 
-def pair_forces(
+def _pair_forces(
     position, velocity, phase, mass, volume, density, pressure, boundary_pressure, smoothing, fluid
 ):
     """Return F (3, n, n) [N], F[:, i, j] on liquid i from j (any phase); 0 for other i."""
@@ -71,7 +71,7 @@ def fluid_force(
         [m^3], density (n,) [kg/m^3], pressure and boundary_pressure (n,) [Pa]; all pairs.
     Writes: force (3, n) [N]; solids keep theirs.
     """
-    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, boundary_pressure, smoothing, fluid)
+    F = _pair_forces(position, velocity, phase, mass, volume, density, pressure, boundary_pressure, smoothing, fluid)
     total = F.sum(axis=2) + np.asarray(mass, dtype=np.float64) * _gravity(fluid)
     force[:, phase != 1] = np.where(phase == 0, total, 0.0)[:, phase != 1]
 
@@ -84,6 +84,6 @@ def reaction_force(
 
     Reads: as `fluid_force`. Writes: force (3, n) [N] of solids; all others keep theirs.
     """
-    F = pair_forces(position, velocity, phase, mass, volume, density, pressure, boundary_pressure, smoothing, fluid)
+    F = _pair_forces(position, velocity, phase, mass, volume, density, pressure, boundary_pressure, smoothing, fluid)
     total = -F.sum(axis=1) + np.asarray(mass, dtype=np.float64) * _gravity(fluid)
     force[:, phase == 1] = total[:, phase == 1]

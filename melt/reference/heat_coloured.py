@@ -18,12 +18,12 @@ OFFSETS = (
 )
 
 
-def colour(cx, cy, cz):
+def _colour(cx, cy, cz):
     """Return the colour 0..17 of a cell."""
     return cx % 3 + 3 * (cy % 3) + 9 * (cz % 2)
 
 
-def rounds_between(A, B):
+def _rounds_between(A, B):
     """Yield the pairs of two cells (lists of particles) round by round."""
     n = max(len(A), len(B)) if A and B else 0
     for r in range(n):
@@ -33,7 +33,7 @@ def rounds_between(A, B):
                 yield A[t], B[u]
 
 
-def rounds_within(A):
+def _rounds_within(A):
     """Yield the pairs of one cell by the circle method; player m-1 stays, m even."""
     m = len(A) + len(A) % 2
     for r in range(m - 1):
@@ -43,7 +43,7 @@ def rounds_within(A):
                 yield A[a], A[b]
 
 
-def coloured_order(cell_start, nx, ny, nz):
+def _coloured_order(cell_start, nx, ny, nz):
     """Return all pairs of particles of adjacent cells in the order of the sweep."""
     def members(cx, cy, cz):
         if not (0 <= cx < nx and 0 <= cy < ny and 0 <= cz < nz):
@@ -55,12 +55,12 @@ def coloured_order(cell_start, nx, ny, nz):
     pairs = []
     for wanted in range(18):
         for cx, cy, cz in cells:
-            if colour(cx, cy, cz) != wanted:
+            if _colour(cx, cy, cz) != wanted:
                 continue
             A = members(cx, cy, cz)
-            pairs += rounds_within(A)
+            pairs += _rounds_within(A)
             for a, b, c in OFFSETS[1:]:
-                pairs += rounds_between(A, members(cx + a, cy + b, cz + c))
+                pairs += _rounds_between(A, members(cx + a, cy + b, cz + c))
     return pairs
 
 
@@ -77,7 +77,7 @@ def heat_pairs_coloured(
     G = conductances(position, conductivity, heat_volume, smoothing, heat)
     curve = Enthalpy(heat, heat_capacity, heat_capacity_molten, latent_point, latent_capacity)
     T, e = temperature.astype(np.float64), latent_of(heat, latent_energy, n)
-    order = coloured_order(cell_start, int(grid.nx), int(grid.ny), int(grid.nz))
+    order = _coloured_order(cell_start, int(grid.nx), int(grid.ny), int(grid.nz))
     step = float(dt) * (1.0 if heat.full_sweep else 0.5)
     for i, j in order + order[::-1]:
         curve.exchange(step * G[i, j], i, j, T, e)

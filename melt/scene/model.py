@@ -28,6 +28,8 @@ from melt.scene.solver import Solver
 #: Particle fields that a run file may have.
 OUTPUT_FIELDS = "id phase material position velocity density pressure temperature latent_energy constraint".split()
 MOST_STEPS = 1_000_000_000
+#: Thermal sub-steps of a step: more are refused, not waited for.
+SUBSTEPS_LIMIT = 10_000
 SIDES = ("x-", "x+", "y-", "y+", "z-", "z+")
 _SIDE_NAMES = {"floor": ("z-",), "lid": ("z+",), "sides": SIDES[:4], "all": SIDES, "none": ()}
 
@@ -144,7 +146,7 @@ class Heat(Section):
     """Step of each of the two pair sweeps; "full" is the paper's and transports twice the heat."""
     volume: Literal["rest", "current"] = "rest"
     """Volumes of the exchange: "rest" conserves energy, "current" is the paper's m/rho."""
-    substeps: Annotated[int, Field(gt=0, le=10_000)] | Literal["auto"] = 1
+    substeps: Annotated[int, Field(gt=0, le=SUBSTEPS_LIMIT)] | Literal["auto"] = 1
     """Thermal sub-steps; "auto" brings the Fourier number below 0.5."""
     tolerance: Positive | None = None
     """Relative residual of cg: 1e-5 in single and mixed, 1e-8 in double precision unless given."""

@@ -13,12 +13,12 @@ import math
 import numpy as np
 
 from melt.errors import MeltError
+from melt.scene.model import SUBSTEPS_LIMIT
 
 #: Above this Fourier number coloured pairs lose to backward Euler (spec 2.5, measured).
 PAIRS_UP_TO = 0.5
 OUTER_LIMIT = 8  # renewals of the states below, on and above the plateau
 HALVINGS = 4
-SUBSTEPS_LIMIT = 10_000  # more thermal sub-steps than that are refused, not waited for
 
 
 def fourier_number(law, dt, spacing, conductivity, density=1.0, specific_heat=1.0):
