@@ -6,6 +6,8 @@ A step page is written once, ``page(do)``, and serves all backends:
 ``Timed``     and gives milliseconds per stage
 ``Lockstep``  gives a second backend the same inputs before each stage and compares after it
 ``Recorder``  runs nothing and lists what would run: `melt.plan` derives the plan from it
+
+``do.stage(dt=0.1)`` gives a scalar, ``do.stage(cell="bubble_cell")`` lets the stage work on another field.
 """
 
 import time
@@ -60,11 +62,14 @@ class Plain:
         """Return the argument list of ``stage``; arrays are looked up again only after a swap."""
         version, cached = self._bound.get(stage.name, (-1, None))
         if version != self.state.version:
-            cached = [self.params.get(a) if a in stage.params else self.state.get(a) for a in stage.arguments]
+            named = [self.params.get if a in stage.params or a not in FIELDS else self.state.get for a in stage.arguments]
+            cached = [get(a) for get, a in zip(named, stage.arguments)]
             self._bound[stage.name] = (self.state.version, cached)
         arguments = list(cached)
         for k, name in enumerate(stage.arguments):
-            if name in scalars:
+            if isinstance(scalars.get(name), str):  # the stage works on another field
+                arguments[k] = self.state.get(scalars[name])
+            elif name in scalars:
                 arguments[k] = self._cast(scalars[name])
             elif arguments[k] is None:
                 raise TypeError(f"stage {stage.name}: no parameter {name!r} was given")
@@ -205,13 +210,14 @@ class Recorder:
     def __getattr__(self, name):
         if name not in STAGES:
             raise AttributeError(f"no stage called {name!r}")
-        return lambda **scalars: self.run(name)
+        return lambda **scalars: self.run(name, scalars)
 
-    def run(self, name):
+    def run(self, name, scalars=None):
         if name not in self.stages:
             self.stages.append(name)
         for field in STAGES[name].reads + STAGES[name].writes:
-            self._use(field)
+            other = (scalars or {}).get(field)
+            self._use(other if isinstance(other, str) else field)
 
     def _use(self, field):
         if field in FIELDS and field not in self.fields:
