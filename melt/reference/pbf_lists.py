@@ -31,7 +31,8 @@ def pbf_list(position, support_radius, pbf, neighbour_count, neighbour_index):
     for i in range(position.shape[1]):
         row = neighbour_index[i, : neighbour_count[i]].copy()
         r2 = ((x[:, i, None] - x[:, row]) ** 2).sum(axis=0)
-        row = row[r2 < R[i, row] ** 2]
+        if support_radius[i] > 0:  # bubbles have no radius of their own: their rows stay
+            row = row[r2 < R[i, row] ** 2]
         neighbour_count[i] = row.size
         neighbour_index[i, : row.size] = row
 
