@@ -67,12 +67,16 @@ def arrays(x, phase=0, precision="double", ratio=2.2, **fields):
         effect_precision=np.where(phase == 0, 1.0, 0.0),
     )
     given.update(fields)
-    sizes = dict(particle=n, neighbour=index.shape[1], table=POINTS, bin=40, chunk=1 + n // 256, reduction=64)
+    sizes = dict(
+        particle=n, neighbour=index.shape[1], table=POINTS, bin=40, chunk=1 + n // 256, reduction=64, cell=3, column=1, voxel=1,
+    )
     a = {}
     for stage in STAGES.values():
         if not stage.equation.startswith("boiling"):
             continue
         for name in stage.reads + stage.writes:
+            if name not in FIELDS:  # of general stages: the page names the field
+                continue
             value = given.get(name)
             value = np.zeros(shape_of(FIELDS[name], sizes)) if value is None else value
             a[name] = np.ascontiguousarray(value, dtype=dtype_of(FIELDS[name], precision))
