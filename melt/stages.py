@@ -269,7 +269,7 @@ _LIST = [
     _stage("boil_candidates", "bubble_birth", "boiling 3", "id phase temperature latent_store", "boiling step_low step_high", "candidate", _EXACT),
     # one particle becomes four bubbles in slots of their own: all their fields
     _stage("spawn_bubbles", "bubble_birth", "boiling 3", "birth_index free_index",
-           "pbf boiling bubbles step_low step_high first_id served",
+           "boiling bubbles step_low step_high first_id served",
            "phase id position velocity mass rest_volume temperature latent_store bubble_volume bubble_radius birth_height age cargo birth_excess",
            _FEW, partial=True),
     # ---- boiling: bubbles on the move
@@ -294,14 +294,14 @@ _LIST = [
     # ---- boiling: merging and bursting
     _stage("bubble_cell", "bubble_merge", "boiling 3", "position phase", "grid coarse", "bubble_cell", _EXACT),
     _stage("merge_label", "bubble_merge", "boiling 3",
-           "id position bubble_radius age bubble_index bubble_count bubble_cell bubble_order bubble_start", "grid bubbles coarse",
+           "position bubble_radius age bubble_index bubble_count bubble_cell bubble_order bubble_start", "grid bubbles coarse",
            "merge_root merge_size", _EXACT),
     # a bubble's whole state: more than 12 arguments
     _stage("merge_bubbles", "bubble_merge", "boiling 2.5", "bubble_index bubble_count merge_root merge_size", "bubbles",
            "phase position velocity rest_volume bubble_volume bubble_radius birth_height age cargo merge_removed", _FEW, partial=True),
     _stage("surface_column", "bubble_burst", "boiling 2.5", "position phase", "grid bubbles", "surface_column", _EXACT),
     _stage("burst_test", "bubble_burst", "boiling 2.5", "position bubble_radius bubble_index bubble_count surface_column", "grid bubbles height",
-           "bubble_fate burst_top", _FEW, partial=True),
+           "bubble_fate burst_top", _FEW),
     _stage("burst_push", "bubble_burst", "boiling (14)", "position phase burst_index burst_count burst_top", "bubbles", "velocity", _FEW,
            partial=True),
     _stage("remove_bubbles", "bubble_burst", "boiling 3", "bubble_index bubble_count bubble_fate cargo", "", "phase released", _EXACT, partial=True),
@@ -317,7 +317,7 @@ _LIST = [
     _stage("vapour_precision", "vapour", "boiling (16)", f"phase vapour_density vapour_push {_NEAR}", "vapour", "vapour_support", _FEW, partial=True),
     # ---- weakly compressible SPH of Mueller 2003, baseline of boiling's Table 1
     _stage("sph_density", "sph", "boiling 1", f"position phase rest_volume {_NEAR}", "sph", "density pressure constraint", _SUM),
-    _stage("sph_force", "sph", "boiling 1", f"position velocity phase mass rest_volume density pressure {_NEAR}", "sph dt", "velocity_next", _STIFF),
+    _stage("sph_force", "sph", "boiling 1", f"position velocity phase rest_volume density pressure {_NEAR}", "sph dt", "velocity_next", _STIFF),
     # ---- surface: line 15
     _stage("surface", "surface", "melting 2.8", f"position phase volume {_NEAR}", "smoothing full_neighbours", "surface", _EXACT),
     _stage("surface_field", "surface_field", "melting 2.8", "position temperature cell_start surface_node", "grid reconstruction",
