@@ -27,6 +27,7 @@ def new_clock():
     return SimpleNamespace(
         time=0.0, step=0, previous_dt=0.0, max_speed=0.0, max_acceleration=0.0, active=0, layers={},
         entered={}, origin_time=0.0, origin_step=0, melted=0, frozen=0, energy_in=0.0,
+        sub_step=0, bubbles=0, largest_bubble=0.0, next_id=0, ledger={},
     )
 
 
@@ -196,16 +197,18 @@ class Lockstep(Plain):
 class Recorder:
     """List the stages, fields and parameters that a step page would use, running nothing.
 
-    Reads return ones, so that a page goes through the branch where something happened.
+    Reads return ones, integers 100, so that a page goes through the branch where something happened.
     """
 
     def __init__(self, params, need, settings):
         self.params, self.need, self.settings = params, need, settings
         self.clock = new_clock()
+        self.clock.largest_bubble = np.inf
         self.notes = {}
         self.listed = False
         self.stages = []
         self.fields = []
+        self.renamed = {}  # stage: the other fields that it works on
 
     def __getattr__(self, name):
         if name not in STAGES:
@@ -215,6 +218,8 @@ class Recorder:
     def run(self, name, scalars=None):
         if name not in self.stages:
             self.stages.append(name)
+        if any(isinstance(v, str) for v in (scalars or {}).values()):
+            self.renamed.setdefault(name, scalars)
         for field in STAGES[name].reads + STAGES[name].writes:
             other = (scalars or {}).get(field)
             self._use(other if isinstance(other, str) else field)
@@ -229,12 +234,16 @@ class Recorder:
 
     def read(self, name):
         self._use(name)
-        return np.ones([int(e) if e.isdigit() else 1 for e in FIELDS[name].shape])
+        shape = [int(e) if e.isdigit() else 1 for e in FIELDS[name].shape]
+        return np.full(shape, 100) if FIELDS[name].kind == "int" else np.ones(shape)
 
     def size(self, extent):
-        return 1
+        return 100
 
     def note(self, name, value):
+        pass
+
+    def forget(self):
         pass
 
     def reorder(self):

@@ -19,7 +19,6 @@ from melt.geometry.lattice import lattice_fields
 from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
 from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
-from melt.position_based import pbf_fields
 from melt.preflight import findings
 from melt.scene import load_scene, scene_from_toml
 from melt.scene.model import OUTPUT_FIELDS
@@ -52,8 +51,7 @@ class Simulation:
         if p.need.solids:
             sites = (self.initial[n] for n in ("site_cell", "site_body", "site_particle"))
             self.initial.arrays.update(lattice_fields(*sites, connect=self.scene.solver.connect))
-        if p.need.effect_precision:
-            self.initial.arrays.update(pbf_fields(self.scene, self.initial["phase"]))
+        self.initial.arrays.update(plan.derived_fields(self.scene, self.initial, p))
         self.state = State(self.backend, p.precision, p.sizes, p.fields)
         given = (self.state, p.params, p.need, p.settings)
         if lockstep:
@@ -76,11 +74,12 @@ class Simulation:
         clock = self.do.clock
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
-        self.compile_seconds = compile_ahead(self.do, p.stages, progress)
+        self.compile_seconds = compile_ahead(self.do, p.stages, p.renamed, progress)
         p.system.start(self.do)
         mobile = np.isin(self.initial["phase"], (LIQUID, SOLID))
         self._start = {
             "solids": int((self.initial["phase"] == SOLID).sum()),
+            "liquids": int((self.initial["phase"] == LIQUID).sum()),
             "mass": float(self.initial["mass"][mobile].sum()),
             "mass_entered": self._mass_entered,
         }

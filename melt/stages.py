@@ -47,6 +47,7 @@ _COPY = Tolerance(0.0, 0.0, "copies values")
 _SUM = Tolerance(2e-5, 1e-12, "sum of about 80 products; float32 positions are rounded")
 _STIFF = Tolerance(2e-4, 1e-11, "seventh power and differences of nearly equal terms")
 _FEW = Tolerance(2e-6, 1e-14, "a few operations per element")
+_SHARE = Tolerance(1e-3, 1e-12, "divided by a sum of weights, of which few digits are left if all neighbours are near the support")
 _REGION = Tolerance(5e-5, 1e-11, "sum over up to 125 members and a rotation")
 _SWEEP = Tolerance(5e-5, 1e-11, "a chain of pair updates")
 _EIGEN = Tolerance(2e-4, 1e-8, "closed-form eigenvalue: a double root has half the digits")
@@ -277,9 +278,10 @@ _LIST = [
            partial=True),
     _stage("bubble_exclude", "bubble_motion", "boiling 2.5", "phase bubble_index bubble_count bubble_radius", "pbf vessel", "position", _FEW,
            partial=True),
+    # the bubbles' list beside that of their neighbours
     _stage("bubble_drag", "bubble_motion", "boiling 2.5",
-           f"position phase bubble_index bubble_count bubble_radius bubble_volume support_radius {_NEAR}", "pbf bubbles dt",
-           "velocity bubble_push", _SUM, partial=True),
+           f"position phase bubble_index bubble_count bubble_radius support_radius {_NEAR}", "pbf bubbles dt",
+           "velocity bubble_push", _SHARE, partial=True),
     _stage("bubble_reaction", "bubble_motion", "boiling 2.5", f"position phase mass support_radius bubble_push {_NEAR}", "pbf", "velocity", _SUM,
            partial=True),
     _stage("bubble_move", "bubble_motion", "boiling 2.5", "bubble_index bubble_count bubble_radius velocity position_predicted", "bubbles dt",

@@ -57,6 +57,14 @@ def poly6(r2, inverse, value):
 
 
 @scalar
+def xsph_weight(r2, inverse, m_i, m_j, V_i, V_j):
+    """Return m_j/(m_i + m_j) (V_i + V_j) W1 of a pair in (8), with the plain poly6: it is a filter, no density."""
+    real = type(r2)
+    W1 = poly6(r2, inverse, real(315 / (64 * math.pi)) * inverse * inverse * inverse)
+    return m_j / (m_i + m_j) * (V_i + V_j) * W1
+
+
+@scalar
 def spiky_over_r(r2, inverse, gradient, pbf):
     """Return f >= 0 with grad W2 = -f x_ij, from r^2, 1/R and the scale; 0 beyond R and for r < 1e-9 d."""
     real = type(r2)

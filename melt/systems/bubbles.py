@@ -1,0 +1,178 @@
+"""Bubbles and vapour: birth, rise, growth, merging, bursting. Boiling spec 2.5, 2.6, 3 (S1, S7, S8, S11).
+
+Bubbles are slots of the particle arrays, listed by ascending id at every sort. Counts that decide what runs
+are read back: nothing is launched for bubbles while there are none.
+"""
+
+import math
+
+import numpy as np
+
+from melt.boiling import threshold_of
+from melt.physics.phases import BUBBLE, INACTIVE, VAPOUR
+
+#: Counters since the start, kept by checkpoints: particles boiled, bubbles gone, quarters of liquid let go, heat [J].
+LEDGER = {
+    "boiled": 0, "merged": 0, "vanished": 0, "burst": 0, "released_quarters": 0, "deferred": 0, "vapour": 0,
+    "vapour_dropped": 0, "heat_in": 0.0, "heat_lost": 0.0, "excess_heat": 0.0, "start_heat": 0.0,
+    "push_x": 0.0, "push_y": 0.0, "push_z": 0.0, "merge_x": 0.0, "merge_y": 0.0, "merge_z": 0.0,
+}
+BURST = 2  # of bubble_fate
+
+
+def start(do):
+    """Begin the ledger."""
+    clock = do.clock
+    clock.ledger = dict(LEDGER)
+    clock.next_id = do.size("particle")
+    do.boil_content()
+    clock.ledger["start_heat"] = math.fsum(np.asarray(do.read("boil_content"), dtype=np.float64))
+
+
+def present(do):
+    """Return whether there are bubbles."""
+    return do.need.boiling and do.clock.bubbles > 0
+
+
+def births(do, dt):
+    """Turn liquid particles that have taken up their latent heat into four bubbles each (S1).
+
+    Candidates are served by ascending id as long as there are slots; the others wait as liquid.
+    """
+    clock, ledger = do.clock, do.clock.ledger
+    threshold = np.int32(threshold_of(dt, do.settings.boiling.nucleation_time))
+    if do.params["boiling"].threshold != threshold:  # the sub-step changed
+        do.params["boiling"] = do.params["boiling"]._replace(threshold=threshold)
+        do.forget()
+    do.boil_candidates(**_moment(do))
+    wanted = _list(do, "candidate", 1, "birth", ordered=True)
+    ledger["deferred"] = 0
+    if not wanted:
+        return
+    free = _list(do, "phase", INACTIVE, "free")
+    served = min(wanted, free // 4, (do.settings.bubble_slots - clock.bubbles) // 4)
+    ledger["deferred"] = wanted - served
+    if served > 0:
+        do.spawn_bubbles(**_moment(do), first_id=clock.next_id, served=served)
+        ledger["excess_heat"] += _sum(do, "birth_excess")
+        ledger["boiled"] += served
+        clock.next_id += 4 * served
+        clock.largest_bubble = max(clock.largest_bubble, float(do.params["bubbles"].birth_radius))
+        listed(do)
+
+
+def listed(do):
+    """List the bubbles by ascending id."""
+    do.clock.bubbles = _list(do, "phase", BUBBLE, "bubble", ordered=True)
+
+
+def rise(do, dt):
+    """Drag with its reaction on the liquid, motion, drift towards other bubbles (S6, S7)."""
+    if not present(do):
+        return
+    do.bubble_drag(dt=dt)
+    do.bubble_reaction()
+    do.bubble_move(dt=dt)
+    do.bubble_drift(dt=dt)  # eq (13)
+    do.bubble_shift()
+
+
+def change(do, dt):
+    """Grow, merge, leave through the surface (S8)."""
+    if not present(do):
+        return
+    do.bubble_growth(dt=dt)
+    do.largest_bubble()
+    do.clock.largest_bubble = float(np.max(do.read("largest_bubble"), initial=0.0))
+    if do.clock.bubbles > 1:
+        merge(do)
+    leave(do)
+
+
+def merge(do):
+    """Make one bubble of each connected group of overlapping ones."""
+    clock = do.clock
+    edge = 1.0 / float(do.params["grid"].inverse_cell)
+    coarse = max(1, math.ceil(2.001 * clock.largest_bubble / edge))
+    do.bubble_cell(coarse=coarse)
+    do.cell_sort(cell="bubble_cell", order="bubble_order", cell_start="bubble_start")
+    do.merge_label(coarse=coarse)
+    do.merge_bubbles()
+    before = clock.bubbles
+    listed(do)
+    if clock.bubbles < before:
+        clock.ledger["merged"] += before - clock.bubbles
+        do.largest_bubble()
+        clock.largest_bubble = float(np.max(do.read("largest_bubble"), initial=0.0))
+        _book(do, "merge", np.asarray(do.read("merge_removed")).sum(axis=1))
+
+
+def leave(do):
+    """Let bubbles at the surface vanish or burst; a burst pushes the liquid around, eq (14)."""
+    from melt.systems.boiling import surface
+    from melt.systems.liquid_heat import means
+
+    ledger = do.clock.ledger
+    do.surface_column()
+    do.burst_test(height=surface(do) + float(do.params["pbf"].support))
+    if _list(do, "bubble_fate", BURST, "burst", ordered=True):
+        before = means(do)
+        do.burst_push()
+        after, mass = means(do), float(np.asarray(do.read("liquid_sums"))[0].sum())
+        _book(do, "push", [mass * (after[k] - before[k]) for k in ("mean_u", "mean_v", "mean_w")])
+        if do.need.vapour:
+            steam(do)
+    do.remove_bubbles()
+    vanished, burst, quarters = (int(n) for n in np.asarray(do.read("released"), dtype=np.int64).sum(axis=1))
+    if vanished + burst:
+        for name, value in (("vanished", vanished), ("burst", burst), ("released_quarters", quarters)):
+            ledger[name] += value
+        listed(do)
+
+
+def steam(do):
+    """Set vapour free where bubbles burst; what finds no slot is dropped."""
+    clock, ledger = do.clock, do.clock.ledger
+    wanted = int(do.read("burst_count")[0]) * int(do.params["vapour"].per_burst)
+    free = _list(do, "phase", INACTIVE, "free")
+    served = max(0, min(wanted, free, do.settings.vapour_slots - ledger["vapour"]))
+    ledger["vapour_dropped"] += wanted - served
+    if served:
+        do.vapour_source(**_moment(do), first_id=clock.next_id, served=served)
+        clock.next_id += served
+        ledger["vapour"] += served
+
+
+def vapour(do, dt):
+    """Move the vapour above the surface, and choose its support for the next step, eq (16)."""
+    if not do.clock.ledger["vapour"]:
+        return
+    do.vapour_density()
+    do.vapour_force(dt=dt)
+    do.vapour_precision()
+    do.vapour_move(dt=dt)
+    do.clock.ledger["vapour"] = _list(do, "phase", VAPOUR, "birth")  # a list that is free by now
+
+
+def _list(do, flag, key, name, ordered=False):
+    """List the slots with flag == key as ``name``_index, by id if ``ordered``; return their number."""
+    do.list_slots(flag=flag, key=key, index=f"{name}_index", count=f"{name}_count")
+    number = int(do.read(f"{name}_count")[0])
+    if ordered and number:
+        do.order_by_id(index=f"{name}_index", count=f"{name}_count")
+    return number
+
+
+def _moment(do):
+    """Return the number of the sub-step as two words, int32 bit patterns."""
+    k = do.clock.sub_step
+    return {name: int(np.uint32(word & 0xFFFFFFFF).astype(np.int32)) for name, word in (("step_low", k), ("step_high", k >> 32))}
+
+
+def _sum(do, name):
+    return math.fsum(np.asarray(do.read(name), dtype=np.float64).ravel())
+
+
+def _book(do, what, vector):
+    for axis, value in zip("xyz", vector):
+        do.clock.ledger[f"{what}_{axis}"] += float(value)
