@@ -21,6 +21,8 @@ LONG = {
     "contact": "pairs of one body are skipped by lattice distance, which needs its sites beside the motion",
     "freezing": "a liquid particle is matched with sites, regions and the material it freezes to at once",
     "pbf": "both partners' share in the solve, the lists, and which of the pairs act in an iteration",
+    "bubble_motion": "drag: the list of bubbles beside that of their neighbours",
+    "vapour": "a particle that comes into being: all its fields",
     "rigid": "both the sites and the motion of a body and of its particles",
 }
 
