@@ -177,8 +177,8 @@ def with_bubbles(arrays, grid):
     phase[liquid & (draw < 0.15)] = BUBBLE
     phase[liquid & (draw > 0.92)] = VAPOUR
     bubble, vapour = phase == BUBBLE, phase == VAPOUR
-    radius = np.where(bubble, rng.choice([0.3, 0.4, 0.45, 0.6, 0.9, 1.3, 2.7], n) * SPACING * rng.uniform(0.97, 1.03, n), 0.0)
-    age = np.where(bubble | vapour, rng.choice([0.0, 0.0625, 0.1875, 0.5], n), 0.0)
+    radius = np.where(bubble, rng.choice([0.3, 0.4, 0.45, 0.6, 0.9, 1.3, 2.5], n) * SPACING * rng.uniform(0.97, 1.03, n), 0.0)
+    age = np.where(bubble | vapour, rng.choice([0.0, 0.0625, 0.125, 0.5], n), 0.0)
     candidate = ((phase == LIQUID) & (rng.random(n) < 0.1)).astype(int)
     fate = np.where(bubble, rng.choice([0, 1, 2], n), 0)
     height = np.where(phase == LIQUID, np.rint(np.clip(x[2] * 4096 / SPACING, 0, 1e6)), -1).astype(int)
@@ -193,7 +193,7 @@ def with_bubbles(arrays, grid):
         **there,
         "temperature": np.where(liquid, rng.uniform(20, 104, n), arrays["temperature"]),
         "bubble_radius": radius,
-        "bubble_volume": 4 / 3 * np.pi * radius**3 * rng.uniform(0.6, 1.0, n),
+        "bubble_volume": 4 / 3 * np.pi * radius**3 * np.minimum(rng.uniform(0.6, 1.2, n), 1.0),  # some did not grow
         "birth_height": np.where(bubble, np.maximum(x[2], 0) * rng.uniform(0, 1, n), 0.0),
         "age": age,
         "cargo": np.where(bubble, rng.integers(1, 9, n), 0),

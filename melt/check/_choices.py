@@ -148,11 +148,15 @@ EXTRA = {
     "heat_onesided": [{"reverse": 1}],
     "crumble": [{"smallest": 0}, {"smallest": 8}],
     "list_slots": [{"key": 5}, {"key": 0}],
+    "order_by_id": [{"n": 1200}],  # more than one run
     "spawn_bubbles": [{"n": 1200, "served": 7}],
     "vapour_source": [{"n": 1200, "served": 9}],
     **{name: [{"bubbles": True}] for name in ("pbf_begin", "pbf_list", "pbf_lambda", "pbf_correction", "pbf_xsph", "iteration_key")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
 }
+
+#: Particles that the variants of a stage need at least: one that boils needs four free slots.
+LEAST = {"spawn_bubbles": 301}
 
 #: What stages need besides when there is no particle, or one.
 SMALL = {"spawn_bubbles": {"served": 0}, "vapour_source": {"served": 0}, "emit_motion": {"count": 0, "slot": 0}, "emit_matter": {"count": 0, "slot": 0}}

@@ -11,7 +11,7 @@ import numpy as np
 
 from melt import params as P
 from melt.check import _boiling, _cloud, _pbf, _sites, _thermal
-from melt.check._choices import EXTRA, SCALARS, SMALL, SWITCHES, TUPLES
+from melt.check._choices import EXTRA, LEAST, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
 from melt.stages import STAGES
@@ -228,6 +228,7 @@ def choices(stage_name):
     for name in stage.params:
         for switch, values in SWITCHES.get(name, {}).items():
             base = TUPLES[name][1][switch]
-            found += [{switch: v} for v in values if v != base]
+            size = {"n": LEAST[stage_name]} if stage_name in LEAST else {}
+            found += [{switch: v, **size} for v in values if v != base]
     small = SMALL.get(stage_name, {})
     return found + EXTRA.get(stage_name, []) + [{"n": 0, **small}, {"n": 1, **small}]

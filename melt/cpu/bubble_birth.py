@@ -4,7 +4,8 @@ import numpy as np
 
 from melt._compile import cpu_stage, prange
 from melt.params import MASS_NUCLEATE
-from melt.physics.bubble_life import boil_excess, confined, sphere_volume
+from melt.physics.bubble_life import boil_excess
+from melt.physics.bubbles import inside, sphere_volume
 from melt.physics.phases import BUBBLE, INACTIVE, LIQUID
 from melt.physics.philox import ball_offset, random_words
 
@@ -48,11 +49,11 @@ def spawn_bubbles(
             x = position[0, i] + wide(bubbles.birth_reach * dx)
             y = position[1, i] + wide(bubbles.birth_reach * dy)
             z = position[2, i] + wide(bubbles.birth_reach * dz)
-            z = confined(z, r, bubbles.lower_z, bubbles.upper_z)
+            z = inside(z, wide(bubbles.lower_z), wide(bubbles.upper_z), wide(r))
             phase[j] = BUBBLE
             id[j] = own
-            position[0, j] = confined(x, r, bubbles.lower_x, bubbles.upper_x)
-            position[1, j] = confined(y, r, bubbles.lower_y, bubbles.upper_y)
+            position[0, j] = inside(x, wide(bubbles.lower_x), wide(bubbles.upper_x), wide(r))
+            position[1, j] = inside(y, wide(bubbles.lower_y), wide(bubbles.upper_y), wide(r))
             position[2, j] = z
             for c in range(3):
                 velocity[c, j] = velocity[c, i]

@@ -3,7 +3,8 @@
 import numpy as np
 
 from melt._compile import cuda, cuda_kernel, device_empty
-from melt.physics.bubble_life import coarse_cell, coarse_count, current_volume, merged_sums, sphere_radius
+from melt.physics.bubble_life import coarse_cell, coarse_count, current_volume, merged_sums
+from melt.physics.bubbles import radius_of
 from melt.physics.phases import BUBBLE, INACTIVE
 from melt.physics.search import squared_distance
 
@@ -153,8 +154,8 @@ def _merge_members(
         return
     real = type(bubbles.spacing)
     wide = position.dtype.type
-    V, x, y, z, u, v, w, px, py, pz = merged_sums(
-        a, bubble_index, bubble_count, merge_root, merge_size, bubble_volume, bubble_radius, position, velocity
+    V, x, y, z, u, v, w, px, py, pz, carried = merged_sums(
+        a, bubble_index, bubble_count, merge_root, merge_size, bubble_volume, bubble_radius, position, velocity, cargo
     )
     part = np.float64(merge_size[i])
     x, y, z = (px / part, py / part, pz / part) if bubbles.plain_mean == 1 else (x / V, y / V, z / V)
@@ -164,14 +165,11 @@ def _merge_members(
     velocity[1, i] = real(0) if level else real(v / V)
     velocity[2, i] = real(w / V)
     bubble_volume[i] = V
-    bubble_radius[i] = real(sphere_radius(V))
+    bubble_radius[i] = real(radius_of(V))
     rest_volume[i] = min(real(V), bubbles.most_volume)
     birth_height[i] = real(z - np.float64(bubbles.floor))
     age[i] = bubbles.merge_age
-    total = 0
-    for b in range(a, bubble_count[0]):
-        total += cargo[bubble_index[b]] if merge_root[bubble_index[b]] == i else 0
-    cargo[i] = total
+    cargo[i] = carried
 
 
 @cuda_kernel

@@ -52,9 +52,9 @@ def merge_label(
 
 
 def _volumes(V0, r):
-    """Volumes now: V0 where r is its rounded radius (to 4 ulp of r), else (4/3) pi r^3."""
+    """Volumes now: V0 where r is its rounded radius (to 8 ulp of r), else (4/3) pi r^3."""
     born = np.cbrt(0.75 / np.pi * V0).astype(r.dtype)
-    return np.where(np.abs(r - born) <= 4 * np.finfo(r.dtype).eps * born, V0, 4 / 3 * np.pi * r.astype(np.float64) ** 3)
+    return np.where(np.abs(r - born) <= 8 * np.finfo(r.dtype).eps * born, V0, 4 / 3 * np.pi * r.astype(np.float64) ** 3)
 
 
 def merge_bubbles(
