@@ -125,7 +125,8 @@ class Boiling(Section):
     nucleation_time: Time = 0.3
     """Mean waiting time of a particle that could boil; 0 boils at once."""
     mass_model: Literal["cargo", "nucleate", "recycle"] = "cargo"
-    """"cargo": bubbles carry the particle's mass and release it; "nucleate": the particle stays; "recycle": released mass returns as cold liquid."""
+    """"cargo": bubbles carry the particle's mass and release it; "nucleate": the particle stays; "recycle": what is
+    released returns as cold liquid."""
     subcooling: TemperatureDifference = 2.0
     """Of "nucleate": a particle cools by this when it sends out bubbles."""
     surface_transfer: Rate = 0.0
