@@ -131,9 +131,9 @@ _TABLE = [
     _f("burst_count", "1", "int", "1", "", "number of them"),
     _f("released", "3 reduction", "int", "1", "", "bubbles that vanished, that burst, and the quarters of liquid that they carried"),
     # boiling: vapour
-    _f("vapour_density", "particle", "real", "kg/m^3", "density", "SPH density of a vapour particle"),
-    _f("vapour_pressure", "particle", "real", "Pa", "pressure", "pressure of a vapour particle"),
-    _f("vapour_push", "particle", "real", "N", "force", "size of the pressure force on a vapour particle, P_i of eq (16)"),
+    _f("vapour_density", "particle", "real", "kg/m^3", "one", "SPH density of a vapour particle"),
+    _f("vapour_pressure", "particle", "real", "Pa", "one", "pressure of a vapour particle"),
+    _f("vapour_push", "particle", "real", "N/m^3", "one", "size of the pressure force on vapour per volume, P_i of eq (16)"),
     _f("vapour_support", "particle", "real", "m", "spacing", "support radius R' of a vapour particle, 0 for others"),
     # heat solvers
     _f("heat_conductance", "particle neighbour", "real", "W/K", "conductance", "G_ij to each neighbour of the list"),

@@ -308,6 +308,7 @@ _LIST = [
            partial=True),
     _stage("remove_bubbles", "bubble_burst", "boiling 3", "bubble_index bubble_count bubble_fate cargo", "", "phase released", _EXACT, partial=True),
     # ---- boiling: vapour
+    # a particle that comes into being: all its fields
     _stage("vapour_source", "vapour", "boiling 2.6", "position burst_index burst_top free_index", "vapour boiling step_low step_high first_id served",
            "phase id position velocity mass rest_volume temperature age vapour_support", _FEW, partial=True),
     _stage("vapour_density", "vapour", "boiling 2.6", f"position phase vapour_support {_NEAR}", "vapour", "vapour_density vapour_pressure", _SUM,
