@@ -16,8 +16,8 @@ inertia I_b. (13), RECONSTRUCTED, counts the other bubbles within R on either si
 
 import numpy as np
 
-from melt.reference._pbf import listed, pair_supports
 from melt.reference._pairs import separations
+from melt.reference._pbf import listed, pair_supports
 
 
 def _listed(index, count):
