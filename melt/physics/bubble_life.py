@@ -4,6 +4,8 @@ Volumes and what is summed over bubbles are float64 in every precision: callers 
 computes in the type of its first argument.
 """
 
+import numpy as np
+
 from melt._compile import scalar, scalar_lookup
 from melt.params import MASS_NUCLEATE
 from melt.physics.bubbles import radius_of, sphere_volume
@@ -94,7 +96,7 @@ def merged_sums(
     total = wide(0)
     mx = my = mz = mu = mv = mw = px = py = pz = wide(0)
     carried, left = 0, int(merge_size[root])
-    b = int(place)
+    b = np.int64(place)  # the index of a parallel loop is unsigned
     while left > 0 and b < bubble_count[0]:
         j = bubble_index[b]
         if merge_root[j] == root:
