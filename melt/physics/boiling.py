@@ -14,8 +14,8 @@ def viscosity_laplacian(r2, R):
     real = type(r2)
     inverse = real(1) / R
     square = inverse * inverse
-    a = max(real(1) - math.sqrt(r2) * inverse, real(0))
-    return real(45 / math.pi) * a * (square * square * inverse)
+    a = real(1) - math.sqrt(r2) * inverse
+    return real(45 / math.pi) * (real(0) if a < real(0) else a) * (square * square * inverse)  # NaN stays NaN
 
 
 @scalar_lookup
@@ -28,8 +28,7 @@ def heat_weight(i, j, r2, R, V_j, heat_sum, constraint, boiling):
     lap = V_j * viscosity_laplacian(r2, R)
     if boiling.corrected == 1:
         both = heat_sum[i] + heat_sum[j]
-        lap = lap * (real(2) / max(both, real(1e-6)))
-        return lap if both >= real(1e-6) else real(0)
+        return real(0) if both < real(1e-6) else lap * (real(2) / both)
     return lap / (real(1) + constraint[j])
 
 

@@ -37,7 +37,7 @@ def _weights(position, rest_volume, constraint, support_radius, heat_sum, pbf, b
     _, lap = _laplacian(position, support_radius, pbf)
     if boiling.corrected == 1:
         both = heat_sum[:, None] + heat_sum[None, :]
-        L = lap * np.where(both >= 1e-6, 2 / np.maximum(both, 1e-6), 0)
+        L = np.where((lap == 0) | (both < 1e-6), 0, lap * 2 / np.maximum(both, 1e-6))
         return rest_volume[None, :] * L  # (11)
     return rest_volume[None, :] / (1 + constraint[None, :]) * lap  # (10)
 
