@@ -78,6 +78,8 @@ def step(do, dt):
         clock.sub_step += 1
     do.pbf_bounds()
     keep_bounds(do)
+    if need.boiling and clock.ledger["boiled"] >= do.settings.liquid.particles > 0 and not bubbles.present(do):
+        do.warning = "all of the liquid has boiled away. Fix: a shorter time.end, or a weaker heater"
     clock.step += 1
 
 

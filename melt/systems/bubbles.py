@@ -21,8 +21,9 @@ BURST = 2  # of bubble_fate
 
 
 def start(do):
-    """Begin the ledger."""
+    """Begin the ledger, and count bubbles that a scene starts with."""
     clock = do.clock
+    listed(do)
     clock.ledger = dict(LEDGER)
     clock.next_id = do.size("particle")
     do.boil_content()
@@ -52,6 +53,11 @@ def births(do, dt):
     free = _list(do, "phase", INACTIVE, "free")
     served = min(wanted, free // 4, (do.settings.bubble_slots - clock.bubbles) // 4)
     ledger["deferred"] = wanted - served
+    if served < wanted:
+        do.warning = (
+            f"{wanted - served} particles at the boiling point wait for slots, all {do.settings.bubble_slots} are taken. "
+            "Fix: raise boiling.bubbles.capacity"
+        )
     if served > 0:
         do.spawn_bubbles(**_moment(do), first_id=clock.next_id, served=served)
         ledger["excess_heat"] += _sum(do, "birth_excess")
