@@ -1,5 +1,6 @@
 """Parameters of boiling water, and a runner for its heat and boost stages."""
 
+from liquid_cases import FLUID
 from pbf_cases import D, pbf_tuple
 
 from melt import params as P
