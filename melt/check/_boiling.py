@@ -168,6 +168,12 @@ def _coarse(arrays, grid, phase):
     return dict(bubble_cell=cell, bubble_order=np.argsort(cell, kind="stable"), bubble_start=start)
 
 
+def _hot(n):
+    """Return temperatures of which half are around the boiling point, some exactly there."""
+    rng = np.random.default_rng(12)
+    return np.where(rng.random(n) < 0.5, rng.uniform(20, 104, n), rng.integers(98, 105, n))
+
+
 def with_bubbles(arrays, grid):
     """Return the scene with one in seven liquid particles a bubble and some vapour: small, large, old, young."""
     rng = np.random.default_rng(11)
@@ -191,7 +197,7 @@ def with_bubbles(arrays, grid):
     gone = bubble | vapour
     return {
         **there,
-        "temperature": np.where(liquid, rng.uniform(20, 104, n), arrays["temperature"]),
+        "temperature": np.where(liquid, _hot(n), arrays["temperature"]),
         "bubble_radius": radius,
         "bubble_volume": 4 / 3 * np.pi * radius**3 * np.minimum(rng.uniform(0.6, 1.2, n), 1.0),  # some did not grow
         "birth_height": np.where(bubble, np.maximum(x[2], 0) * rng.uniform(0, 1, n), 0.0),

@@ -159,4 +159,7 @@ EXTRA = {
 LEAST = {"spawn_bubbles": 301}
 
 #: What stages need besides when there is no particle, or one.
-SMALL = {"spawn_bubbles": {"served": 0}, "vapour_source": {"served": 0}, "emit_motion": {"count": 0, "slot": 0}, "emit_matter": {"count": 0, "slot": 0}}
+SMALL = {
+    **{name: {"served": 0} for name in ("spawn_bubbles", "vapour_source")},
+    **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter")},
+}

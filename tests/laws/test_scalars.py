@@ -61,7 +61,8 @@ ARRAYS = {"support_radius": (4, None), "kernel_scale": ((3, 65), None), "pbf.ite
 ARRAYS |= {"boiling.heat_sum": (4, None), "boiling.constraint": (4, None)}
 #: The list of bubbles, and what merging reads of them.
 ARRAYS |= {f"bubble_life.{name}": (4, np.int32) for name in ("bubble_index", "bubble_count", "merge_root", "merge_size", "cargo")}
-ARRAYS |= {f"bubble_life.{name}": (shape, None) for name, shape in (("bubble_volume", 4), ("bubble_radius", 4), ("position", (3, 4)), ("velocity", (3, 4)))}
+ARRAYS |= {f"bubble_life.{name}": (4, None) for name in ("bubble_volume", "bubble_radius")}
+ARRAYS |= {f"bubble_life.{name}": ((3, 4), None) for name in ("position", "velocity")}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
     ("polar.horn", "A"): 9,

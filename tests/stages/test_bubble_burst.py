@@ -3,7 +3,20 @@
 import numpy as np
 import pytest
 from bubble_cases import BUBBLES
-from bubble_life_cases import BUBBLE, CELL, GRID, INACTIVE, LIQUID, bubbles, listed, merge, pool, run, shuffled, slots_of
+from bubble_life_cases import (
+    BUBBLE,
+    CELL,
+    GRID,
+    INACTIVE,
+    LIQUID,
+    bubbles,
+    listed,
+    merge,
+    pool,
+    run,
+    shuffled,
+    slots_of,
+)
 from liquid_cases import both, everywhere
 from pbf_cases import D
 
@@ -183,7 +196,8 @@ def test_several_bursts_add_up_in_the_order_of_ids(backend, precision):
     for b in (a, other):
         listed(backend, b, "bubble_fate", 2, "burst")
         run("burst_push", backend, b)
-    assert a["velocity"][:, :n] - start == pytest.approx(alone, rel=1e-4 if precision == "single" else 1e-12, abs=1e-5 if precision == "single" else 1e-13)
+    rel, least = (1e-4, 1e-5) if precision == "single" else (1e-12, 1e-13)
+    assert a["velocity"][:, :n] - start == pytest.approx(alone, rel=rel, abs=least)
     assert np.ascontiguousarray(a["velocity"][:, order]).tobytes() == other["velocity"].tobytes()
 
 

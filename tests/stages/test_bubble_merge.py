@@ -3,7 +3,20 @@
 import numpy as np
 import pytest
 from bubble_cases import BUBBLES, INERTIA
-from bubble_life_cases import BUBBLE, CELL, GRID, INACTIVE, bubbles, listed, merge, pool, run, same_bits, shuffled, slots_of
+from bubble_life_cases import (
+    BUBBLE,
+    CELL,
+    GRID,
+    INACTIVE,
+    bubbles,
+    listed,
+    merge,
+    pool,
+    run,
+    same_bits,
+    shuffled,
+    slots_of,
+)
 from liquid_cases import both, everywhere
 from pbf_cases import D
 from scipy.sparse import coo_array
@@ -181,6 +194,40 @@ def test_grown_bubbles_merge_with_their_volume_of_now(backend, precision):
     rel = 1e-6 if precision == "single" else 1e-14
     assert a["bubble_volume"] == pytest.approx([V * (1.25**3 + 1 + 1.125**3), 0, 0, V], rel=rel)
     assert a["bubble_radius"][0] == pytest.approx(R0 * (1.25**3 + 1 + 1.125**3) ** (1 / 3), rel=rel)
+
+
+def volume_now(a):
+    """Volume of the bubbles by their radii."""
+    return 4 / 3 * np.pi * (a["bubble_radius"][slots_of(a, BUBBLE)].astype(float) ** 3).sum()
+
+
+@everywhere
+@both
+def test_ten_seconds_of_rising_growing_and_merging(backend, precision):
+    """V18: every change of the volume comes from growth, none from merging; cargo is exact."""
+    n, dt = 150, 0.25
+    rng = np.random.default_rng(12)
+    x = np.column_stack([rng.uniform(0.05, 0.2, (n, 2)), rng.uniform(0.01, 0.05, n)])
+    a = bubbles(x, R0 * rng.uniform(0.6, 1.0, n), precision, id=rng.permutation(n), birth_height=x[:, 2], age=np.zeros(n))
+    quarters, grown, counts = int(a["cargo"].sum()), 0.0, [n]
+    first = volume_now(a)
+    rel = 1e-13 if precision == "double" else 1e-6
+    listed(backend, a, "phase", BUBBLE, "bubble")
+    for _ in range(40):
+        alive = slots_of(a, BUBBLE)
+        a["position"][2, alive] += (rng.uniform(0, 0.02, n)[: alive.size] * dt).astype(a["position"].dtype)
+        before = volume_now(a)
+        run("bubble_growth", backend, a, dt=dt)
+        after = volume_now(a)
+        assert after >= before * (1 - rel)
+        grown += after - before
+        merge(backend, a)
+        assert volume_now(a) == pytest.approx(after, rel=rel)
+        listed(backend, a, "phase", BUBBLE, "bubble")
+        counts.append(slots_of(a, BUBBLE).size)
+        assert a["cargo"].sum() == quarters == a["cargo"][slots_of(a, BUBBLE)].sum()
+    assert volume_now(a) - first == pytest.approx(grown, rel=1e-10 if precision == "double" else 1e-3)
+    assert grown > 0.02 * first and counts[-1] < n // 2
 
 
 @everywhere
