@@ -3,7 +3,7 @@
 import numpy as np
 
 from melt._compile import cpu_stage, prange
-from melt.physics.boiling import approach, between_cells, gain, heated
+from melt.physics.boiling import approach, gain, heated, sampled
 from melt.physics.phases import LIQUID
 
 PIECES = 64
@@ -54,24 +54,7 @@ def voxel_heater(tank, boiling, target, share, voxel_temperature, heater_heat):
 @cpu_stage
 def voxel_sample(voxel_temperature, position, phase, tank, boiling, temperature):
     """See `melt.reference.boil_grid.voxel_sample`."""
-    real = voxel_temperature.dtype.type
-    nx, ny, nz = tank.nx, tank.ny, tank.nz
     for i in prange(phase.shape[0]):
-        if phase[i] != LIQUID:
-            continue
-        kx, p = between_cells(position[0, i], tank.origin_x, tank.inverse_cell, nx)
-        ky, q = between_cells(position[1, i], tank.origin_y, tank.inverse_cell, ny)
-        kz, r = between_cells(position[2, i], tank.origin_z, tank.inverse_cell, nz)
-        dx = min(kx + 1, int(nx) - 1) - kx
-        dy = nx * (min(ky + 1, int(ny) - 1) - ky)
-        dz = nx * ny * (min(kz + 1, int(nz) - 1) - kz)
-        c = kx + nx * (ky + ny * kz)
-        one = real(1)
-        T = (one - r) * (
-            (one - q) * ((one - p) * voxel_temperature[c] + p * voxel_temperature[c + dx])
-            + q * ((one - p) * voxel_temperature[c + dy] + p * voxel_temperature[c + dy + dx])
-        ) + r * (
-            (one - q) * ((one - p) * voxel_temperature[c + dz] + p * voxel_temperature[c + dz + dx])
-            + q * ((one - p) * voxel_temperature[c + dz + dy] + p * voxel_temperature[c + dz + dy + dx])
-        )
-        temperature[i] = min(T, boiling.boiling_point)
+        if phase[i] == LIQUID:
+            T = sampled(position[0, i], position[1, i], position[2, i], voxel_temperature, tank)
+            temperature[i] = min(T, boiling.boiling_point)

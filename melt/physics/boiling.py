@@ -107,3 +107,23 @@ def boosted(u, v, w, T, mean_u, mean_v, mean_w, mean_T, fluid, boiling, dt):
         f = -dt * boiling.expansion * (T - mean_T)
         return u + f * fluid.gravity_x, v + f * fluid.gravity_y, w + f * fluid.gravity_z
     return u, v, w
+
+
+@scalar_lookup
+def sampled(x, y, z, voxel_temperature, tank):
+    """Return the temperature of the grid at a place [degC], linear between cell centres.
+
+    Without fastmath: a thread's last particles, outside its SIMD loop, would be rounded otherwise.
+    """
+    T, one = voxel_temperature, type(tank.inverse_cell)(1)
+    kx, p = between_cells(x, tank.origin_x, tank.inverse_cell, tank.nx)
+    ky, q = between_cells(y, tank.origin_y, tank.inverse_cell, tank.ny)
+    kz, r = between_cells(z, tank.origin_z, tank.inverse_cell, tank.nz)
+    dx = 1 if kx < tank.nx - 1 else 0
+    dy = tank.nx if ky < tank.ny - 1 else 0
+    dz = tank.nx * tank.ny if kz < tank.nz - 1 else 0
+    c = kx + tank.nx * (ky + tank.ny * kz)
+    low = (one - q) * ((one - p) * T[c] + p * T[c + dx]) + q * ((one - p) * T[c + dy] + p * T[c + dy + dx])
+    c += dz
+    high = (one - q) * ((one - p) * T[c] + p * T[c + dx]) + q * ((one - p) * T[c + dy] + p * T[c + dy + dx])
+    return (one - r) * low + r * high

@@ -14,10 +14,11 @@ speeds in the prediction bounds it. Boussinesq brings no net momentum, viscosity
 
 import numpy as np
 
-from melt.params import BOOST_BOUSSINESQ, BOOST_LITERAL, BOOST_RATE
 from melt.reference._pairs import separations
 from melt.reference._pbf import pair_supports
 from melt.reference._shares import shares
+
+RATE, LITERAL, BOUSSINESQ = 1, 2, 3  # modes
 
 
 def _liquid(phase, *arrays):
@@ -48,14 +49,14 @@ def boost(phase, temperature, fluid, boiling, mean_u, mean_v, mean_w, mean_tempe
     T_0, T_b = float(boiling.start_temperature), float(boiling.boiling_point)
     th = np.clip((T - T_0) / (T_b - T_0), 0, 1) if T_b > T_0 else np.where(T >= T_b, 1.0, 0.0)
     k_T, dt = float(boiling.boost_rate), float(dt)
-    if boiling.boost == BOOST_RATE:
+    if boiling.boost == RATE:
         mean = np.array([[mean_u], [mean_v], [mean_w]], np.float64)
         apart = v - mean
         s = 1 + k_T * th * dt * np.maximum(0, 1 - (apart**2).sum(axis=0) / float(boiling.boost_speed) ** 2)
         v = mean + apart * s
-    elif boiling.boost == BOOST_LITERAL:
+    elif boiling.boost == LITERAL:
         v = v * (1 + k_T * th)
-    elif boiling.boost == BOOST_BOUSSINESQ:
+    elif boiling.boost == BOUSSINESQ:
         g = np.array([[fluid.gravity_x], [fluid.gravity_y], [fluid.gravity_z]], np.float64)
         v = v - dt * float(boiling.expansion) * (T - float(mean_temperature)) * g
     velocity[:, on] = v
