@@ -76,7 +76,7 @@ def test_v10_hot_floor(jitter, most):
 
 @pytest.mark.slow
 def test_v9_v10_on_a_wide_slab():
-    for seed in range(6):
+    for seed in range(2):
         assert cosine(jitter=0.2, width=16, seed=seed)[0] <= 0.01
         assert hot_floor(jitter=0.2, width=16, seed=seed) <= 0.03
 
