@@ -210,7 +210,7 @@ def prepare(scene, initial, precision=None):
 def _boiling(scene, initial, need, settings, params, real):
     """Add the choices and parameters of the position based fluid, of plain SPH and of boiling."""
     liquid = boil.liquid_of(scene, initial)
-    settings.__dict__.update(boiling.settings_of(scene, liquid, *boil.slots_of(scene, liquid.particles)))
+    settings.__dict__.update(boiling.settings_of(scene, liquid, initial.top_speed, *boil.slots_of(scene, liquid.particles)))
     params.update(pbf=pbf_of(scene, real), vessel=vessel_of(scene, real))
     if need.sph:
         params["sph"] = boil.sph_of(scene, liquid.depth, real)

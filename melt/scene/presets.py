@@ -32,9 +32,7 @@ BOILING_PRESETS = {
         "boiling": {
             "latent_scale": 0.0, "nucleation_time": 0.0, "boost": "literal", "boost_rate": 0.02,
             "heater": {"mode": "dirichlet", "temperature": 100.0},
-            "bubbles": {
-                "radius_law": "paper", "merge_position": "mean", "merge_velocity": "up", "push_weight": "even",
-            },
+            "bubbles": {"merge_position": "mean", "merge_velocity": "up"},
         },
         "solver": {"precision": "single"},
     },

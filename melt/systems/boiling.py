@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from melt.boiling import sph_sound_speed
+from melt.boiling import gravity_of, sph_sound_speed
 from melt.errors import MeltError
 from melt.position_based import longest_step, surface_height
 from melt.systems import bubbles
@@ -18,8 +18,8 @@ from melt.systems.liquid_heat import boost, warm
 from melt.systems.melting import search
 
 
-def settings_of(scene, liquid, bubble_slots, vapour_slots):
-    """Return the run-time choices of this page; ``liquid`` is a `melt.boiling.Liquid`."""
+def settings_of(scene, liquid, top_speed, bubble_slots, vapour_slots):
+    """Return the run-time choices of this page; ``liquid`` is a `melt.boiling.Liquid`, ``top_speed`` [m/s] that at the start."""
     pbf = scene.solver.pbf
     layers = max(1.0, liquid.depth / scene.spacing)
     chosen = dict(
@@ -28,6 +28,7 @@ def settings_of(scene, liquid, bubble_slots, vapour_slots):
         spacing=scene.spacing,
         layers=layers,
         compression=pbf.compression,
+        design_speed=max(top_speed, math.sqrt(2 * gravity_of(scene)[0] * max(liquid.depth, scene.spacing))),
     )
     if scene.solver.pressure == "sph":
         c = sph_sound_speed(scene, liquid.depth)
@@ -153,18 +154,23 @@ def surface(do):
 
 
 def step_limits(do):
-    """Return {bound: seconds} of the sub-step. Boiling spec 2.1, 6."""
+    """Return {bound: seconds} of the sub-step. Boiling spec 2.1, 6.
+
+    The speed is that of a fall through the liquid's height, not the one of now: shorter steps turn the same correction
+    of positions into more speed, which would ask for still shorter ones (a pot in which a whole layer boiled at once
+    threw its water out at 29 m/s).
+    """
     s = do.settings
     return {
         "sound" if s.pressure == "sph" else "compression": s.longest_step,
-        "speed": 0.5 * s.spacing / max(do.clock.max_speed, 1e-12),
+        "speed": 0.5 * s.spacing / s.design_speed,
     }
 
 
 def sub_steps(do, dt):
     """Return (n_sub, dt / n_sub), the fewest sub-steps that the limits allow, and note why.
 
-    Speeds beyond the limit of n_sub_max sub-steps are cut (S2); compression is not.
+    Speeds above half a spacing in a sub-step are cut (S2).
 
     Raises:
         MeltError: the liquid's weight (or the sound speed) asks for more than ``n_sub_max`` sub-steps.
@@ -176,10 +182,11 @@ def sub_steps(do, dt):
     if s.n_sub is None and dt / s.longest_step > s.n_sub_max * (1 + 1e-9):
         raise MeltError(_too_many(s, dt))
     if s.n_sub is None:
-        n_sub = min(n_sub, s.n_sub_max)
+        n_sub = min(n_sub, s.n_sub_max)  # of the speed: it is cut
     do.note("n_sub", n_sub)
     do.note("governing_bound", "given" if s.n_sub else governing)
-    do.note("step_over_limit", dt / n_sub / limits[governing])  # above 1: speeds are cut, or a given n_sub is too small
+    # above 1: speeds are cut, or a given n_sub is too small
+    do.note("step_over_limit", dt / n_sub * max(1 / limits[governing], do.clock.max_speed / (0.5 * s.spacing)))
     return n_sub, dt / n_sub
 
 

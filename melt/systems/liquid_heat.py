@@ -11,20 +11,33 @@ SAFE = 0.8  # of the explicit step limit: a maximum principle holds up to 1
 
 
 def warm(do, dt):
-    """Heater, conduction, loss at the surface; then what is above the boiling point goes into the latent store."""
-    heater, model = do.settings.boiling.heater, do.settings.boiling.heat_model
-    grid = model == "grid"
+    """Heater, conduction, loss at the surface; then what is above the boiling point goes into the latent store.
+
+    A heater that holds its temperature (dirichlet) does so after conduction too: else what it touches would
+    always be a little colder than T_h.
+    """
+    grid = do.settings.boiling.heat_model == "grid"
     if do.need.heater:
-        stage = do.voxel_heater if grid else do.boil_heater
-        stage(target=heater_temperature(do), share=_share(heater, dt))
-        do.clock.ledger["heat_in"] += _sum(do, "heater_heat")
+        heat(do, dt)
     if grid:
         conduct_grid(do, dt)
     else:
         conduct(do, dt)
         if do.need.surface_loss:
             cool(do, dt)
+    if do.need.heater and do.settings.boiling.heater.mode == "dirichlet":
+        heat(do, dt)
+    if grid:
+        do.voxel_sample()
     do.boil_store()
+
+
+def heat(do, dt):
+    """Let the heater warm what touches it."""
+    heater = do.settings.boiling.heater
+    stage = do.voxel_heater if do.settings.boiling.heat_model == "grid" else do.boil_heater
+    stage(target=heater_temperature(do), share=_share(heater, dt))
+    do.clock.ledger["heat_in"] += _sum(do, "heater_heat")
 
 
 def conduct(do, dt):
@@ -41,13 +54,12 @@ def conduct(do, dt):
 
 
 def conduct_grid(do, dt):
-    """Conduct on the grid, which does not flow, and sample it at the particles. Eq (9)."""
+    """Conduct on the grid, which does not flow. Eq (9)."""
     number = dt * float(do.params["tank"].number)
     n = _steps(number * 6 / SAFE)
     for _ in range(n):
         do.voxel_heat(dt=dt / n)
         do.swap("voxel_temperature", "voxel_temperature_next")
-    do.voxel_sample()
     do.note("heat_steps", n)
 
 

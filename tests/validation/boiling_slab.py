@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from melt import params as P
 from melt.check.compare import stage_function
 from melt.stages import STAGES
-from melt.state import REAL
+from melt.state import POSITION, REAL
 
 D, DENSITY, CAPACITY = 0.02, 1000.0, 4186.0
 BOILING = dict(
@@ -38,7 +38,7 @@ class Slab:
         x = (cells + 0.5 + rng.uniform(-jitter, jitter, cells.shape)) * D
         R = np.full(len(x), ratio * D) if radii is None else rng.uniform(*radii, len(x)) * D
         self.core = len(x)
-        self._place(x, R, width * D)
+        self._place(x, R, width * D, POSITION[precision])
         n = len(self.source)
         self.pbf = P.make(P.Pbf, real, **{**PBF, "spacing": D, "support": R.max(), "uniform": int(radii is None)})
         self.boiling = P.make(P.Boiling, real, **{**BOILING, **boiling})
@@ -50,7 +50,7 @@ class Slab:
         self.heat_rate = np.zeros(64, real)
         self.boil_content, self.heater_heat = np.zeros(64), np.zeros(64)
 
-    def _place(self, x, R, period):
+    def _place(self, x, R, period, wide):
         """Add the copies, and the neighbours of the originals."""
         reach = R.max()
         at, source = [x], [np.arange(len(x))]
@@ -72,7 +72,7 @@ class Slab:
         self.neighbour_index = np.full((len(at), self.neighbour_count.max()), -987654321, np.int32)
         for i, row in enumerate(rows):
             self.neighbour_index[i, : len(row)] = row
-        self.position = np.ascontiguousarray(at.T, dtype=self.real)
+        self.position = np.ascontiguousarray(at.T, dtype=wide)
         self.support_radius = R.astype(self.real)
 
     @property
