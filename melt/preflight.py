@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from melt.boiling_findings import boiling_findings
 from melt.constants import lattice_density, lattice_offsets
 from melt.forecast import forecast
 from melt.geometry.build import build
@@ -87,7 +88,7 @@ def findings(scene, initial, prepared):
     found = [Finding("note", note) for note in initial.notes]
     found += [Finding("warning", text) for text in prepared.warnings]
     liquid = _position_based if prepared.need.pbf else _density
-    for check in (_overlap, _walls, liquid, _resolution, _sub_steps, _heat):
+    for check in (_overlap, _walls, liquid, _resolution, _sub_steps, _heat, _boiling):
         found += check(scene, initial, prepared)
     return found
 
@@ -218,6 +219,12 @@ def _heat(scene, initial, prepared):
             )
         )
     return found
+
+
+def _boiling(scene, initial, prepared):
+    if scene.boiling is None:
+        return []
+    return [Finding(*found) for found in boiling_findings(scene, initial.counts["liquid"])]
 
 
 def _head(p):
