@@ -119,12 +119,13 @@ class Painter:
         return self.run.frame(k, ["position"])["position"]
 
     def _bounds(self, sample=8):
-        """Return the box around the moving particles of the run, far splashes left out."""
+        """Return the box around the moving particles of the run, far splashes and rising vapour left out."""
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         names = [n for n in ("position", "phase") if n in self.run.fields]
         for k in np.unique(np.linspace(0, len(self.run) - 1, min(sample, len(self.run))).astype(int)):
             frame = self.run.frame(k, names)
-            keep = np.isfinite(frame["position"]).all(axis=1) & ((self._phase(frame) != WALL) | self.walls)
+            phase = self._phase(frame)
+            keep = np.isfinite(frame["position"]).all(axis=1) & ((phase != WALL) | self.walls) & (phase != VAPOUR)
             x = frame["position"][keep]
             if len(x):
                 most = np.quantile(x, (0.002, 0.998), axis=0)

@@ -138,7 +138,8 @@ def test_the_literal_rule_boils_cold_water_away():
 
 
 def test_lockstep_through_birth_merging_and_bursting():
-    sim = Simulation(pot("boiling.bubbles.merge_age=0", "boiling.latent_scale=0", precision="single"), "cpu", lockstep="cuda-emulated")
+    shallow = pot("fluid.fill.0.upper=[0.24,0.24,0.06]", "boiling.bubbles.merge_age=0.02", "boiling.latent_scale=0", precision="single")
+    sim = Simulation(shallow, "cpu", lockstep="cuda-emulated")
     for _ in range(50):
         sim.step()
     ledger = sim.do.clock.ledger
