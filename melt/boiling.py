@@ -205,6 +205,22 @@ def vapour_of(scene, real):
     )
 
 
+def condensate_of(scene, real):
+    """Return the `Condensate` tuple: a particle as at the start, but at the air's temperature. Spec 3."""
+    d, domain = scene.spacing, scene.domain
+    return P.make(
+        P.Condensate,
+        real,
+        lower_x=domain.lower[0] + d / 2,
+        lower_y=domain.lower[1] + d / 2,
+        width_x=(domain.cells[0] - 1) * d,
+        width_y=(domain.cells[1] - 1) * d,
+        mass=scene.fluid.density * d**3,
+        volume=d**3,
+        temperature=scene.boiling.air_temperature,
+    )
+
+
 def tank_of(scene, liquid, real):
     """Return the `Tank` tuple: the temperature grid over the liquid as it stands at the start. Eq (9)."""
     d = scene.spacing

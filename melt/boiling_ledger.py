@@ -19,14 +19,16 @@ SERIES = {
     "burst": ("1", "bubbles that burst at the surface since the start"),
     "deferred": ("1", "particles that wait for free slots in this step"),
     "vapour_dropped": ("1", "vapour particles that found no slot since the start"),
-    "released_mass": ("kg", "liquid that left with bubbles since the start"),
+    "condensed": ("1", "particles that returned as condensate since the start (mass_model = recycle)"),
+    "condensed_heat": ("J", "that vapour gave off to the air to become this condensate since the start"),
+    "released_mass": ("kg", "liquid that left with bubbles since the start, less what returned"),
     "steam_mass": ("kg", "what the bubbles that there are would hold as real gas: far less than the liquid they stand for"),
-    "quarters_missing": ("1", "4 liquid particles + cargo + released quarters, less those of the start: 0"),
+    "quarters_missing": ("1", "4 liquid particles + cargo + released quarters that did not return, less those of the start: 0"),
     "heat_in": ("J", "brought by the heater since the start"),
     "heat_lost": ("J", "lost at the surface since the start"),
     "heat_missing": (
         "J",
-        "m (c_p T + latent store) of the liquid, and what bubbles took with them, less the start and what the heater "
+        "m (c_p T + latent store) of the liquid, what bubbles took with them and condensed_heat, less the start and what the heater "
         "brought: the rounding of temperatures (heat_model = particle10 does not conserve, grid counts its cells)",
     ),
     "surface_height": ("m", "above the floor: 95th percentile of the liquid"),
@@ -38,7 +40,7 @@ SERIES = {
     "merge_z": ("kg m/s", ""),
 }
 _COUNTERS = (
-    "boiled merged vanished burst deferred vapour_dropped heat_in heat_lost push_x push_y push_z merge_x merge_y merge_z"
+    "boiled merged vanished burst deferred vapour_dropped condensed condensed_heat heat_in heat_lost push_x push_y push_z merge_x merge_y merge_z"
 ).split()
 
 
@@ -87,5 +89,5 @@ def _heat(do, m, T, store, cargo, kept, particle, b):
         return float(do.params["tank"].capacity) * math.fsum(cells) - brought
     held = math.fsum(m * (c_p * T + store.astype(np.float64)))
     gone = 0.0 if kept else particle / 4 * (cargo + ledger["released_quarters"])
-    left = gone * (c_p * float(b.boiling_point) + float(b.latent_heat)) + ledger["excess_heat"]
+    left = gone * (c_p * float(b.boiling_point) + float(b.latent_heat)) + ledger["excess_heat"] + ledger["condensed_heat"]
     return held + left - ledger["start_heat"] - brought

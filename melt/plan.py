@@ -24,7 +24,7 @@ from melt.systems.heat import thermal_substeps
 ALWAYS = ("id", "phase", "material", "position", "velocity", "mass", "rest_volume")
 #: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
 ONLY_IF = {
-    "effect_precision": ("support_radius", "iterations", "kernel_scale"),
+    "effect_precision": ("effect_precision", "support_radius", "iterations", "kernel_scale"),
     "latent": ("latent_energy", "latent_capacity", "latent_point", "heat_capacity_molten"),
 }
 
@@ -72,6 +72,7 @@ def needs(scene, initial):
         boost=b is not None and b.boost in ("rate", "literal", "boussinesq"),
         warm_viscosity=b is not None and b.boost == "viscosity",
         vapour=b is not None and b.vapour is not None,
+        condensate=b is not None and b.mass_model == "recycle",
         effect_precision=pbf and solver.pbf.precision,
         vorticity=pbf and solver.pbf.vorticity > 0,
         blend=pbf and solver.pbf.xsph > 0,
@@ -217,6 +218,8 @@ def _boiling(scene, initial, need, settings, params, real):
     if need.boiling:
         params.update(boiling=boil.boiling_of(scene, real, scene.time.dt), bubbles=boil.bubbles_of(scene, liquid, real))
         params["tank"] = boil.tank_of(scene, liquid, real)
+    if need.condensate:
+        params["condensate"] = boil.condensate_of(scene, real)
     if need.vapour:
         params["vapour"] = boil.vapour_of(scene, real)
 

@@ -125,7 +125,7 @@ def pbf_of(scene, real):
         real,
         spacing=d,
         support=R,
-        uniform=int(not q.precision),
+        uniform=int(not q.precision or scene.solver.pressure != "pbf"),
         value_scale=315 / (64 * math.pi * R**3 * sums.value),
         gradient_scale=45 / (math.pi * R**4 * sums.gradient),
         table_start=SHORTEST,

@@ -99,6 +99,12 @@ LIST = [
     stage("burst_push", "bubble_burst", "boiling (14)", "position phase burst_index burst_count burst_top", "bubbles", "velocity", FEW,
            partial=True),
     stage("remove_bubbles", "bubble_burst", "boiling 3", "bubble_index bubble_count bubble_fate cargo", "", "phase released", EXACT, partial=True),
+    # ---- boiling: condensate
+    # a particle that comes into being: all its fields
+    stage("condense", "condense", "boiling 3", "surface_column free_index",
+           "grid bubbles boiling pbf condensate step_low step_high first_id served",
+           "phase id position velocity mass rest_volume temperature latent_store bubble_radius age cargo "
+           "effect_precision support_radius iterations", FEW, partial=True),
     # ---- boiling: vapour
     # a particle that comes into being: all its fields
     stage("vapour_source", "vapour", "boiling 2.6", "position burst_index burst_top free_index", "vapour boiling step_low step_high first_id served",

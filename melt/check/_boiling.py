@@ -10,7 +10,7 @@ BUBBLE, VAPOUR = 3, 4
 #: Files of stages that are checked with bubbles about (others may be: choice ``bubbles``).
 FILES = {
     "lists", "boil_heat", "boil_grid", "boost", "bubble_birth", "bubble_motion", "bubble_growth", "bubble_merge",
-    "bubble_burst", "vapour", "sph",
+    "bubble_burst", "condense", "vapour", "sph",
 }
 #: Arguments of stages that work on fields which the page names.
 NAMED = ("flag", "index", "count")
@@ -94,6 +94,8 @@ VAPOUR_VALUES = dict(
     per_burst=2,
     spread=SPACING,
 )
+
+CONDENSATE = dict(lower_x=0.1, lower_y=0.2, width_x=1.1, width_y=0.9, mass=1000 * SPACING**3, volume=SPACING**3, temperature=20.0)
 
 SPH = dict(support=SUPPORT, rest_density=1000.0, stiffness=1.6e5, viscosity=3.0)
 

@@ -77,6 +77,7 @@ TUPLES = {
     "boiling": (P.Boiling, _boiling.BOILING),
     "bubbles": (P.Bubbles, _boiling.BUBBLES),
     "vapour": (P.Vapour, _boiling.VAPOUR_VALUES),
+    "condensate": (P.Condensate, _boiling.CONDENSATE),
     "tank": (P.Tank, _boiling.TANK),
     "sph": (P.Sph, _boiling.SPH),
     "domain": (
@@ -151,6 +152,7 @@ EXTRA = {
     "order_by_id": [{"n": 1200}],  # more than one run
     "spawn_bubbles": [{"n": 1200, "served": 7}],
     "vapour_source": [{"n": 1200, "served": 9}],
+    "condense": [{"n": 1200, "served": 9}],
     **{name: [{"bubbles": True}] for name in ("pbf_begin", "pbf_list", "pbf_lambda", "pbf_correction", "pbf_xsph", "iteration_key")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
 }
@@ -160,6 +162,6 @@ LEAST = {"spawn_bubbles": 301}
 
 #: What stages need besides when there is no particle, or one.
 SMALL = {
-    **{name: {"served": 0} for name in ("spawn_bubbles", "vapour_source")},
+    **{name: {"served": 0} for name in ("spawn_bubbles", "vapour_source", "condense")},
     **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter")},
 }

@@ -49,7 +49,7 @@ def pair_direction(first, second, like):
 def random_words(id, step_low, step_high, number, seed_low, seed_high, stream):
     """Return the four words of draw ``number`` that a particle makes in a step.
 
-    Streams: 0 birth of bubbles, 1 nucleation, 2 ties, 3 vapour. All arguments are integers; those of 32 bits
+    Streams: 0 birth of bubbles, 1 nucleation, 2 ties and condensate, 3 vapour. All arguments are integers; those of 32 bits
     (seed, step) arrive as the bit patterns of int32.
     """
     low, zero = np.uint64(0xFFFFFFFF), np.uint64(0)
@@ -57,6 +57,13 @@ def random_words(id, step_low, step_high, number, seed_low, seed_high, stream):
     return philox(
         np.uint64(id) & low, zero, np.uint64(step_low) & low, np.uint64(number) & low, np.uint64(seed_low) & low, key & low
     )
+
+
+@scalar
+def unit_share(c0, like):
+    """Return a word as a number from 0 to below 1 of the type of ``like``: 24 bits, exact in single precision."""
+    real = type(like)
+    return real(np.int64(c0 >> np.uint64(8))) / real(1 << 24)
 
 
 @scalar

@@ -2,19 +2,9 @@
 
 import numpy as np
 
-STEPS = 4096  # of the surface height, per spacing
+from melt.reference._column import STEPS, column
+
 MOST = 2**30
-
-
-def _column(position, grid):
-    """Column of the neighbour grid over each particle, a bin like its cells (see `melt.reference.grid`)."""
-    real = position.dtype.type
-    c = []
-    with np.errstate(invalid="ignore", over="ignore"):
-        for a, origin, count in ((0, grid.origin_x, grid.nx), (1, grid.origin_y, grid.ny)):
-            t = (position[a] - real(origin)) * real(grid.inverse_cell)
-            c.append(np.where(t > 0, np.minimum(t, count - 1), 0).astype(np.int64))
-    return c[0] + int(grid.nx) * c[1]
 
 
 def surface_column(position, phase, grid, bubbles, surface_column):
@@ -31,7 +21,7 @@ def surface_column(position, phase, grid, bubbles, surface_column):
         t = (position[2, on] - real(bubbles.floor)) * (real(STEPS) / real(bubbles.spacing)) + real(0.5)
     steps = np.where(t > 0, np.minimum(t, real(MOST)), 0).astype(np.int64)
     surface_column[:] = -1
-    np.maximum.at(surface_column, _column(position[:, on], grid), steps)
+    np.maximum.at(surface_column, column(position[:, on], grid), steps)
 
 
 def burst_test(
@@ -47,12 +37,12 @@ def burst_test(
     """
     bubble_fate[:], burst_top[:] = 0, 0
     floor, step = float(bubbles.floor), float(bubbles.spacing) / STEPS
-    column = surface_column[_column(position, grid)]
+    highest = surface_column[column(position, grid)]
     for i in bubble_index[: int(bubble_count[0])]:
         r, z = float(bubble_radius[i]), float(position[2, i]) - floor
         if not r > 0:
             continue
-        top = min(column[i] * step if column[i] >= 0 else z, float(height))
+        top = min(highest[i] * step if highest[i] >= 0 else z, float(height))
         burst_top[i] = floor + top
         if z + r >= top:
             bubble_fate[i] = 1 if bubble_radius[i] <= bubbles.burst_radius else 2

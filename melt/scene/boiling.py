@@ -126,12 +126,13 @@ class Boiling(Section):
     """Mean waiting time of a particle that could boil; 0 boils at once."""
     mass_model: Literal["cargo", "nucleate", "recycle"] = "cargo"
     """"cargo": bubbles carry the particle's mass and release it; "nucleate": the particle stays; "recycle": what is
-    released returns as cold liquid."""
+    released returns as liquid of the temperature of the air, in whole particles at random places of the surface."""
     subcooling: TemperatureDifference = 2.0
     """Of "nucleate": a particle cools by this when it sends out bubbles."""
     surface_transfer: Rate = 0.0
     """Rate at which the surface approaches the air's temperature."""
     air_temperature: Temperature = 20.0
+    """Of the air above the surface, of condensate that returns, and of the air that vapour rises in."""
     boost: Literal["off", "rate", "literal", "boussinesq", "viscosity"] = "rate"
     """Velocity boost, eq (12)."""
     boost_rate: NonNegative = 0.5

@@ -73,13 +73,15 @@ def step(do, dt):
             precision(do, sub_dt)  # S11: for the next sub-step
         if need.vapour:
             bubbles.vapour(do, sub_dt)
+        if need.condensate:
+            bubbles.condense(do)
         if need.domain:
             do.leave_domain()
         clock.time += sub_dt
         clock.sub_step += 1
     do.pbf_bounds()
     keep_bounds(do)
-    if need.boiling and clock.ledger["boiled"] >= do.settings.liquid.particles > 0 and not bubbles.present(do):
+    if need.boiling and bubbles.dry(do):
         do.warning = "all of the liquid has boiled away. Fix: a shorter time.end, or a weaker heater"
     clock.step += 1
 

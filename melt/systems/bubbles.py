@@ -14,7 +14,7 @@ from melt.physics.phases import BUBBLE, INACTIVE, VAPOUR
 #: Counters since the start, kept by checkpoints: particles boiled, bubbles gone, quarters of liquid let go, heat [J].
 LEDGER = {
     "boiled": 0, "merged": 0, "vanished": 0, "burst": 0, "released_quarters": 0, "deferred": 0, "vapour": 0,
-    "vapour_dropped": 0, "heat_in": 0.0, "heat_lost": 0.0, "excess_heat": 0.0, "start_heat": 0.0,
+    "vapour_dropped": 0, "condensed": 0, "condensed_heat": 0.0, "heat_in": 0.0, "heat_lost": 0.0, "excess_heat": 0.0, "start_heat": 0.0,
     "push_x": 0.0, "push_y": 0.0, "push_z": 0.0, "merge_x": 0.0, "merge_y": 0.0, "merge_z": 0.0,
 }
 BURST = 2  # of bubble_fate
@@ -27,6 +27,9 @@ def start(do):
     clock.ledger = dict(LEDGER)
     clock.next_id = do.size("particle")
     do.boil_content()
+    if clock.bubbles:
+        do.largest_bubble()
+        clock.largest_bubble = max(clock.largest_bubble, float(np.max(do.read("largest_bubble"), initial=0.0)))
     clock.ledger["start_heat"] = math.fsum(np.asarray(do.read("boil_content"), dtype=np.float64))
 
 
@@ -134,6 +137,34 @@ def leave(do):
         for name, value in (("vanished", vanished), ("burst", burst), ("released_quarters", quarters)):
             ledger[name] += value
         listed(do)
+
+
+def condense(do):
+    """Let released liquid return to the surface in whole particles, at the temperature of the air.
+
+    At the end of a sub-step: nothing reads the neighbours of the new particles before they are listed. What the
+    vapour gave off to become that cold is booked: it leaves to the air.
+    """
+    clock, ledger, b = do.clock, do.clock.ledger, do.params["boiling"]
+    due = ledger["released_quarters"] // 4
+    if not due:
+        return
+    served = min(due, _list(do, "phase", INACTIVE, "free"))
+    if served:
+        do.surface_column()
+        do.condense(**_moment(do), first_id=clock.next_id, served=served)
+        clock.next_id += served
+        ledger["condensed"] += served
+        ledger["released_quarters"] -= 4 * served
+        cooled = float(b.specific_heat) * (float(b.boiling_point) - do.settings.boiling.air_temperature) + float(b.latent_heat)
+        ledger["condensed_heat"] += served * do.settings.particle_mass * cooled
+
+
+def dry(do):
+    """Return whether all of the liquid has boiled away: none is left, none is to come."""
+    if not do.settings.liquid.particles or do.need.condensate or do.settings.boiling.mass_model == "nucleate":
+        return False
+    return do.clock.ledger["boiled"] >= do.settings.liquid.particles and not present(do)
 
 
 def steam(do):

@@ -23,6 +23,7 @@ LONG = {
     "pbf": "both partners' share in the solve, the lists, and which of the pairs act in an iteration",
     "bubble_motion": "drag: the list of bubbles beside that of their neighbours",
     "vapour": "a particle that comes into being: all its fields",
+    "condense": "a particle that comes into being: all its fields",
     "bubble_birth": "one particle becomes four bubbles: all their fields",
     "bubble_merge": "the list of bubbles, their cells and their state; a merged bubble's whole state",
     "boil_heat": "heat exchange of pairs: what (10) weighs by beside what (11) weighs by, so that one stage serves both",

@@ -15,7 +15,7 @@ LIQUID, SOLID, WALL, BUBBLE, VAPOUR, INACTIVE = range(6)
 CELL = 2.5 * D
 GRID = dict(origin_x=0.0, origin_y=0.0, origin_z=0.0, inverse_cell=1 / CELL, nx=8, ny=7, nz=9)
 KINDS = dict(bubbles=(P.Bubbles, BUBBLES), boiling=(P.Boiling, BOILING), grid=(P.Grid, GRID))
-FILES = ("lists", "bubble_birth", "bubble_growth", "bubble_merge", "bubble_burst", "grid")
+FILES = ("lists", "bubble_birth", "bubble_growth", "bubble_merge", "bubble_burst", "condense", "grid")
 UNSET = -987654321
 
 
