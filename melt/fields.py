@@ -81,6 +81,7 @@ _TABLE = [
     _f("multiplier", "particle", "real", "kg m^2", "multiplier", "Lagrange multiplier lambda of the density constraint; 0 for others than liquid"),
     _f("correction", "3 particle", "real", "m", "spacing", "position correction of one iteration, relaxed"),
     _f("vorticity", "3 particle", "real", "1/s", "rate", "curl of the velocity"),
+    _f("momentum_size", "particle", "real", "kg m/s", "momentum", "m |v| of a liquid particle, 0 for others"),
     _f("effect_precision", "particle", "real", "1", "one", "effect precision F, from 0 to 1"),
     _f("support_radius", "particle", "real", "m", "spacing", "support radius R_i of a liquid particle; 0 for others, which take their partner's"),
     _f("iterations", "particle", "int", "1", "", "iterations J_i of a liquid particle in the next step; 0 for others"),

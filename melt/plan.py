@@ -268,6 +268,7 @@ def scales_of(scene, initial, settings):
         "mobility": 1 / mass,
         "multiplier": 0.1 * mass * dx**2,
         "time": 1.0,
+        "momentum": mass * 0.1 * cs,
         "bubble_push": mass * 0.1 * cs * dx**3,
         "rate2": (0.1 * cs / dx) ** 2,
     }

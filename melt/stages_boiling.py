@@ -28,7 +28,8 @@ LIST = [
     stage("pbf_bounds", "pbf_motion", "boiling 6", "phase velocity constraint", "", "pbf_bounds", FEW),
     # ---- effect precision
     stage("height_histogram", "precision", "boiling 2.6", "position phase", "pbf", "height_bins", EXACT),
-    stage("effect_precision", "precision", "boiling (15)", f"position velocity phase mass {NEAR} effect_precision", "pbf height dt",
+    stage("momentum_size", "precision", "boiling (15)", "phase mass velocity", "", "momentum_size", FEW),
+    stage("effect_precision", "precision", "boiling (15)", f"position phase momentum_size {NEAR} effect_precision", "pbf height dt",
            "effect_precision support_radius iterations", FEW),
     stage("iteration_key", "precision", "boiling 2.6", f"phase iterations {NEAR}", "pbf", "iteration_key", EXACT),
     stage("active_list", "precision", "boiling 2.6", "iteration_key", "iteration", "active_index active_count chunk_sum", EXACT,

@@ -62,6 +62,7 @@ def scales(n):
         rate2=(speed / _cloud.SPACING) ** 2,
         acceleration=pressure / 1000 / _cloud.SPACING,
         time=1.0,
+        momentum=mass * speed,
         bubble_push=mass * speed * volume,
         specific_heat=4187.0,
         latent_heat=3e4,

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from melt.boiling import gravity_of, sph_sound_speed
-from melt.errors import MeltError
+from melt.errors import MeltError, NotFinite
 from melt.position_based import longest_step, surface_height
 from melt.systems import bubbles
 from melt.systems.liquid_heat import boost, warm
@@ -49,7 +49,15 @@ def start(do):
 
 
 def step(do, dt):
-    """Advance the state by one outer step of ``dt`` seconds."""
+    """Advance the state by one outer step of ``dt`` seconds; a NaN or infinity ends it, as the largest speed."""
+    try:
+        _step(do, dt)
+    except NotFinite:
+        do.clock.max_speed = math.nan
+    do.clock.step += 1
+
+
+def _step(do, dt):
     need, clock = do.need, do.clock
     n_sub, sub_dt = sub_steps(do, dt)
     for _ in range(n_sub):
@@ -83,7 +91,6 @@ def step(do, dt):
     keep_bounds(do)
     if need.boiling and bubbles.dry(do):
         do.warning = "all of the liquid has boiled away. Fix: a shorter time.end, or a weaker heater"
-    clock.step += 1
 
 
 def predict(do, sub_dt):
@@ -146,6 +153,7 @@ def filters(do, sub_dt):
 
 def precision(do, sub_dt):
     """Support radius and iterations of each particle for the next sub-step, eq (15) (S11)."""
+    do.momentum_size()
     do.effect_precision(height=surface(do), dt=sub_dt)
 
 
