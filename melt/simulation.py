@@ -69,7 +69,7 @@ class Simulation:
             if name in self.state:
                 self.state.set(name, values)
         self._timed_from = self._notes_from = 0
-        self.lost_told = self.limit_told = False
+        self.lost_told, self.told = False, set()  # kinds of warnings, by their first word
         self._fingerprint = checkpoint.fingerprint(self.scene.to_toml())
         clock = self.do.clock
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
@@ -219,7 +219,7 @@ def run(
         for finding in findings(scene, initial, sim.prepared):
             if finding.level == "warning" or finding.text in initial.notes:
                 say("warning", message=finding.advice)
-                sim.limit_told |= finding.text.startswith("time.n_sub =")
+                sim.told.add(finding.text.split()[0])
         if writer:
             _append(writer, sim, say)
             checkpoint.discard(checkpoint.beside(writer.path))  # of the run that it replaced
@@ -285,8 +285,8 @@ def _loop(sim, writer, say, total):
             step = sim.do.clock.step
             if sim.do.notes.get("inflow_stopped") == step:
                 say("warning", message=f"t = {sim.time:.4g} s: all slots are taken, the inflow stopped")
-            if sim.do.warning and not sim.limit_told:
-                sim.limit_told = True
+            if sim.do.warning and (kind := sim.do.warning.split()[0]) not in sim.told:
+                sim.told.add(kind)
                 say("warning", message=f"t = {sim.time:.4g} s: {sim.do.warning}")
             say("step", step=step, time=sim.time, n_sub=sim.do.notes.get("n_sub", 0))
             if writer and (step % t.output_steps == 0 or step == total):

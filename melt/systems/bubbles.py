@@ -10,6 +10,7 @@ import numpy as np
 
 from melt.boiling import threshold_of
 from melt.physics.phases import BUBBLE, INACTIVE, VAPOUR
+from melt.systems.reads import finite, largest, total
 
 #: Counters since the start, kept by checkpoints: particles boiled, bubbles gone, quarters of liquid let go, heat [J].
 LEDGER = {
@@ -29,8 +30,8 @@ def start(do):
     do.boil_content()
     if clock.bubbles:
         do.largest_bubble()
-        clock.largest_bubble = max(clock.largest_bubble, float(np.max(do.read("largest_bubble"), initial=0.0)))
-    clock.ledger["start_heat"] = math.fsum(np.asarray(do.read("boil_content"), dtype=np.float64))
+        clock.largest_bubble = max(clock.largest_bubble, largest(do, "largest_bubble"))
+    clock.ledger["start_heat"] = total(do, "boil_content")
 
 
 def present(do):
@@ -58,12 +59,12 @@ def births(do, dt):
     ledger["deferred"] = wanted - served
     if served < wanted:
         do.warning = (
-            f"{wanted - served} particles at the boiling point wait for slots, all {do.settings.bubble_slots} are taken. "
+            f"slots for {do.settings.bubble_slots} bubbles are taken: {wanted - served} particles at the boiling point wait. "
             "Fix: raise boiling.bubbles.capacity"
         )
     if served > 0:
         do.spawn_bubbles(**_moment(do), first_id=clock.next_id, served=served)
-        ledger["excess_heat"] += _sum(do, "birth_excess")
+        ledger["excess_heat"] += total(do, "birth_excess")
         ledger["boiled"] += served
         clock.next_id += 4 * served
         clock.largest_bubble = max(clock.largest_bubble, float(do.params["bubbles"].birth_radius))
@@ -92,7 +93,7 @@ def change(do, dt):
         return
     do.bubble_growth(dt=dt)
     do.largest_bubble()
-    do.clock.largest_bubble = float(np.max(do.read("largest_bubble"), initial=0.0))
+    do.clock.largest_bubble = largest(do, "largest_bubble")
     if do.clock.bubbles > 1:
         merge(do)
     leave(do)
@@ -112,7 +113,7 @@ def merge(do):
     if clock.bubbles < before:
         clock.ledger["merged"] += before - clock.bubbles
         do.largest_bubble()
-        clock.largest_bubble = float(np.max(do.read("largest_bubble"), initial=0.0))
+        clock.largest_bubble = largest(do, "largest_bubble")
         _book(do, "merge", np.asarray(do.read("merge_removed")).sum(axis=1))
 
 
@@ -206,10 +207,6 @@ def _moment(do):
     return {name: int(np.uint32(word & 0xFFFFFFFF).astype(np.int32)) for name, word in (("step_low", k), ("step_high", k >> 32))}
 
 
-def _sum(do, name):
-    return math.fsum(np.asarray(do.read(name), dtype=np.float64).ravel())
-
-
 def _book(do, what, vector):
     for axis, value in zip("xyz", vector):
-        do.clock.ledger[f"{what}_{axis}"] += float(value)
+        do.clock.ledger[f"{what}_{axis}"] += finite(float(value))

@@ -6,6 +6,7 @@ import numpy as np
 
 from melt.errors import MeltError
 from melt.scene.model import SUBSTEPS_LIMIT
+from melt.systems.reads import finite, largest, total
 
 SAFE = 0.8  # of the explicit step limit: a maximum principle holds up to 1
 
@@ -37,7 +38,7 @@ def heat(do, dt):
     heater = do.settings.boiling.heater
     stage = do.voxel_heater if do.settings.boiling.heat_model == "grid" else do.boil_heater
     stage(target=heater_temperature(do), share=_share(heater, dt))
-    do.clock.ledger["heat_in"] += _sum(do, "heater_heat")
+    do.clock.ledger["heat_in"] += total(do, "heater_heat")
 
 
 def conduct(do, dt):
@@ -45,12 +46,12 @@ def conduct(do, dt):
     if do.settings.boiling.heat_model == "particle":
         do.boil_sums()
     do.boil_rate()
-    number = dt * float(np.max(do.read("heat_rate"), initial=0.0))
+    number = dt * largest(do, "heat_rate")
     n = _steps(number / SAFE)
     for _ in range(n):
         do.boil_exchange(dt=dt / n)
         do.swap("temperature", "temperature_next")
-    do.note("heat_steps", n)
+    do.note("conduction_steps", n)
 
 
 def conduct_grid(do, dt):
@@ -60,7 +61,7 @@ def conduct_grid(do, dt):
     for _ in range(n):
         do.voxel_heat(dt=dt / n)
         do.swap("voxel_temperature", "voxel_temperature_next")
-    do.note("heat_steps", n)
+    do.note("conduction_steps", n)
 
 
 def cool(do, dt):
@@ -69,7 +70,7 @@ def cool(do, dt):
 
     b = do.settings.boiling
     do.boil_cooling(target=b.air_temperature, share=-math.expm1(-b.surface_transfer * dt), height=surface(do))
-    do.clock.ledger["heat_lost"] += _sum(do, "lost_heat")
+    do.clock.ledger["heat_lost"] += total(do, "lost_heat")
 
 
 def heater_temperature(do):
@@ -82,10 +83,6 @@ def heater_temperature(do):
 
 def _share(heater, dt):
     return 1.0 if heater.mode == "dirichlet" else -math.expm1(-heater.transfer * dt)
-
-
-def _sum(do, name):
-    return math.fsum(np.asarray(do.read(name), dtype=np.float64).ravel())
 
 
 def _steps(number):
@@ -110,4 +107,4 @@ def means(do):
     """Return mean velocity and temperature of the liquid, weighted with mass."""
     do.liquid_sums()
     m, *sums = np.asarray(do.read("liquid_sums"), dtype=np.float64).sum(axis=1)
-    return dict(zip(("mean_u", "mean_v", "mean_w", "mean_temperature"), (s / m if m > 0 else 0.0 for s in sums)))
+    return dict(zip(("mean_u", "mean_v", "mean_w", "mean_temperature"), (finite(s / m) if m > 0 else 0.0 for s in sums)))

@@ -101,7 +101,7 @@ def test_sub_steps_keep_the_bottom_within_tolerance():
     [
         ({"pbf": {"eps_rel": 0.01}}, r"2\.95, above 2 the solve diverges"),
         ({"solver": {"support": 1.5}}, "at least 1.6"),
-        ({"heat": {}}, r"without heat \(\[heat\]\): use wcsph"),
+        ({"heat": {}}, r"without heat \(\[heat\]; .*: \[boiling\]\): use wcsph"),
         ({"fluid": {"drag": 1.0}}, "fluid.drag"),
     ],
 )
