@@ -54,7 +54,7 @@ def ledger(steps):
     }
 
 
-def repeats(steps):
+def repeats(steps, *overrides):
     """V22: return digests of the same run by 1 and 2 threads, again, and with another seed."""
     before, most = numba.get_num_threads(), numba.config.NUMBA_NUM_THREADS
     hashes, boiled = {}, 0
@@ -62,7 +62,7 @@ def repeats(steps):
         for name, threads, seed in (("1 thread", 1, 1), ("1 thread, again", 1, 1), ("2 threads", 2, 1), ("seed 2", 1, 2)):
             if threads <= most:
                 numba.set_num_threads(threads)
-                sim = stepped(small(f"boiling.seed={seed}"), steps)
+                sim = stepped(small(f"boiling.seed={seed}", *overrides), steps)
                 hashes[name] = digest(sim)
                 boiled = max(boiled, sim.series()["boiled"])
     finally:
