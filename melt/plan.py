@@ -12,7 +12,7 @@ import numpy as np
 
 from melt import boiling as boil
 from melt.bind import Recorder
-from melt.constants import lattice_offsets, params_of, sound_speed_of
+from melt.constants import lattice_offsets, list_capacity, params_of, sound_speed_of
 from melt.fields import CARRIED, FIELDS
 from melt.physics.phases import LIQUID, SOLID
 from melt.position_based import POINTS, pbf_fields, pbf_of, vessel_of
@@ -149,7 +149,7 @@ def sizes_of(scene, initial, params, precision):
     cells = int(grid.nx) * int(grid.ny) * int(grid.nz) + 2
     return {
         "particle": n,
-        "neighbour": scene.solver.max_neighbours,
+        "neighbour": scene.solver.max_neighbours or list_capacity(scene.solver.support),
         "cell": cells,
         "node": n,
         "chunk": math.ceil(max(n, cells) / 256) + 1,

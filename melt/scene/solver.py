@@ -71,8 +71,8 @@ class Solver(Section):
     support: Annotated[quantity("number", above=1, at_most=6), Field()] = None
     """Support radius in spacings, h/dx; 2.5, or 2.2 with pressure = pbf, unless given."""
     neighbours: Literal["grid", "kdtree"] = "grid"
-    max_neighbours: PositiveInt = 128
-    """Initial capacity of neighbour lists; it grows when a list overflows."""
+    max_neighbours: PositiveInt | None = None
+    """Initial capacity of neighbour lists, by the support unless given; it grows when a list overflows."""
     precision: Literal["single", "mixed", "double"] = "mixed"
     """"mixed": positions and their sums in float64, pair work in float32."""
     integration: Literal["symplectic", "kdk"] = "symplectic"
