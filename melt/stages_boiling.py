@@ -16,7 +16,7 @@ LIST = [
     stage("pbf_correction", "pbf", "boiling (6)",
            f"position volume mobility support_radius iterations multiplier kernel_scale {NEAR} active_index active_count",
            "pbf iteration", "correction", STIFF, partial=True),
-    stage("pbf_move", "pbf_motion", "boiling S4c", "correction active_index active_count position", "vessel", "position", FEW, partial=True),
+    stage("pbf_move", "pbf_motion", "boiling S4c", "correction active_index active_count position", "pbf vessel", "position", FEW, partial=True),
     # ---- position based fluid: velocities
     stage("pbf_velocity", "pbf_motion", "boiling S5", "position position_predicted phase velocity", "dt", "velocity", FEW, partial=True),
     stage("vorticity_curl", "vorticity", "boiling (7)", f"position velocity phase volume support_radius kernel_scale {NEAR}", "pbf",

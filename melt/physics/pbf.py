@@ -109,3 +109,13 @@ def correction_factor(r2, inverse, gradient, V_i, lambda_i, V_j, lambda_j, mobil
     own = lambda_i if mobility_j > real(0) else min(lambda_i, real(0))
     bracket = own * V_j + lambda_j * V_i + s * (V_i + V_j)
     return -bracket * spiky_over_r(r2, inverse, gradient, pbf)
+
+
+@scalar
+def cut(x, y, z, most):
+    """Return the factor that brings a vector to the length ``most``, 1 if it is not longer."""
+    real = type(most)
+    size2 = x * x + y * y + z * z
+    if size2 > most * most:
+        return most / math.sqrt(size2)
+    return real(1)
