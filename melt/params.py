@@ -147,7 +147,8 @@ class Pbf(NamedTuple):
 
     spacing: float  # d [m]
     support: float  # R, the largest support radius [m]
-    uniform: int  # 1: every particle has R and all iterations (effect precision off)
+    uniform: int  # 1: every particle has the support R (no effect precision, or not of the support)
+    same_iterations: int  # 1: every particle has all iterations
     value_scale: float  # of W1 at R: 315/(64 pi R^3 S) [1/m^3]
     gradient_scale: float  # of |grad W2| at R: 45/(pi R^4 G) [1/m^4]
     table_start: float  # R/d of the first point of `kernel_scale`

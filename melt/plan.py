@@ -15,7 +15,7 @@ from melt.bind import Recorder
 from melt.constants import lattice_offsets, list_capacity, params_of, sound_speed_of
 from melt.fields import CARRIED, FIELDS
 from melt.physics.phases import LIQUID, SOLID
-from melt.position_based import POINTS, pbf_fields, pbf_of, vessel_of
+from melt.position_based import POINTS, adaptive, pbf_fields, pbf_of, short_lists, vessel_of
 from melt.state import REAL, bytes_of
 from melt.systems import boiling, melting
 from melt.systems.heat import thermal_substeps
@@ -73,7 +73,8 @@ def needs(scene, initial):
         warm_viscosity=b is not None and b.boost == "viscosity",
         vapour=b is not None and b.vapour is not None,
         condensate=b is not None and b.mass_model == "recycle",
-        effect_precision=pbf and solver.pbf.precision,
+        effect_precision=adaptive(scene),
+        short_lists=short_lists(scene),
         vorticity=pbf and solver.pbf.vorticity > 0,
         blend=pbf and solver.pbf.xsph > 0,
         solids=solids,

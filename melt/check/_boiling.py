@@ -197,6 +197,8 @@ def with_bubbles(arrays, grid):
     there = {**arrays, "phase": phase}
     root, size = _merging(there, radius, age)
     gone = bubble | vapour
+    on = arrays["active_index"][: arrays["active_count"][0]]
+    active, count = _listed(on[~gone[on]], n)  # liquid only
     return {
         **there,
         "temperature": np.where(liquid, _hot(n), arrays["temperature"]),
@@ -215,6 +217,8 @@ def with_bubbles(arrays, grid):
         "vapour_pressure": np.where(vapour, rng.uniform(0, 4, n), 0.0),
         "vapour_push": np.where(vapour, rng.uniform(0, 0.05, n), 0.0),
         "vapour_support": np.where(vapour, rng.integers(80, 121, n) / 256, 0.0),
+        "active_index": active,
+        "active_count": count,
         **{name: np.where(gone, 0, arrays[name]) for name in ("mobility", "multiplier", "support_radius", "iterations")},
         **_coarse(arrays, grid, phase),
         **_lists(phase, arrays["id"], candidate, fate),

@@ -132,7 +132,7 @@ SWITCHES = {
         "wall_fixed": (0, 1),
     },
     "contact": {"connect": (6, 18, 26)},
-    "pbf": {"uniform": (0, 1), "minimum_error": (-1.0, 0.0)},
+    "pbf": {"uniform": (0, 1), "same_iterations": (0, 1), "minimum_error": (-1.0, 0.0)},
     "boiling": {"corrected": (0, 1), "mass_model": (0, 1, 2), "boost": (0, 1, 2, 3, 4)},
     "bubbles": {"literal_radius": (0, 1), "plain_mean": (0, 1), "upward": (0, 1), "normalised": (0, 1), "push_even": (0, 1)},
     "vapour": {"adapt": (0, 1)},

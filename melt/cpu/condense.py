@@ -32,5 +32,5 @@ def condense(
         mass[i], rest_volume[i], temperature[i] = condensate.mass, condensate.volume, condensate.temperature
         latent_store[i] = bubble_radius[i] = age[i] = real(0)
         cargo[i] = 0
-        if pbf.uniform == 0:
+        if pbf.uniform == 0 or pbf.same_iterations == 0:
             effect_precision[i], support_radius[i], iterations[i] = real(1), pbf.support, pbf.iterations

@@ -62,7 +62,7 @@ def iteration_key(phase, iterations, neighbour_count, neighbour_index, pbf, iter
     """See `melt.reference.precision.iteration_key`."""
     for i in prange(phase.shape[0]):
         key = np.int32(0)
-        if phase[i] == LIQUID and pbf.uniform == 1:
+        if phase[i] == LIQUID and pbf.same_iterations == 1:
             key = pbf.iterations
         elif phase[i] == LIQUID:
             key = iterations[i]

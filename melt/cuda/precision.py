@@ -91,7 +91,7 @@ def _iteration_key(phase, iterations, neighbour_count, neighbour_index, pbf, ite
     if i >= phase.shape[0]:
         return
     key = np.int32(0)
-    if phase[i] == LIQUID and pbf.uniform == 1:
+    if phase[i] == LIQUID and pbf.same_iterations == 1:
         key = pbf.iterations
     elif phase[i] == LIQUID:
         key = iterations[i]

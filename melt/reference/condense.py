@@ -34,5 +34,5 @@ def condense(
         phase[i], id[i], velocity[:, i] = 0, own, 0
         mass[i], rest_volume[i], temperature[i] = condensate.mass, condensate.volume, condensate.temperature
         latent_store[i], bubble_radius[i], age[i], cargo[i] = 0, 0, 0, 0
-        if pbf.uniform == 0:
+        if pbf.uniform == 0 or pbf.same_iterations == 0:
             effect_precision[i], support_radius[i], iterations[i] = 1, pbf.support, pbf.iterations

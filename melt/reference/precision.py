@@ -71,7 +71,7 @@ def iteration_key(phase, iterations, neighbour_count, neighbour_index, pbf, iter
     for i in range(phase.shape[0]):
         if phase[i] != 0:
             iteration_key[i] = 0
-        elif pbf.uniform == 1:
+        elif pbf.same_iterations == 1:
             iteration_key[i] = pbf.iterations
         else:
             iteration_key[i] = max(iterations[i], iterations[neighbour_index[i, : neighbour_count[i]]].max(initial=0))

@@ -106,7 +106,7 @@ def lists(do):
     if bubbles.present(do):
         bubbles.listed(do)
     do.pbf_begin()
-    if do.need.effect_precision:
+    if do.need.short_lists:
         do.pbf_list()
     do.iteration_key()
     do.active_list(iteration=0)

@@ -30,6 +30,7 @@ def pbf_tuple(ratio=2.2, real=np.float64, **changes):
         iterations=4, minimum_iterations=2, minimum_support=1.8 * D, height_share=0.5, minimum_precision=0.0,
         precision_time=0.05, floor=0.0, inverse_bin=4 / D,
     )
+    values["same_iterations"] = changes.get("uniform", 1)
     return P.make(P.Pbf, real, **{**values, **changes})
 
 
