@@ -40,7 +40,8 @@ def _span(low, high):
 def _heat(scene):
     b, d = scene.boiling, scene.spacing
     alpha = diffusivity_of(scene)
-    found = [("note", f"boiling: heat conducts with {alpha:.3g} m^2/s, {alpha / WATER:,.3g} times as fast as in water (boiling.diffusivity)", "")]
+    times = f"{alpha / WATER:,.3g} times as fast as in water"
+    found = [("note", f"boiling: heat conducts with {alpha:.3g} m^2/s, {times} (boiling.diffusivity)", "")]
     if b.latent_scale == 0 or b.heat_model == "grid":
         why = "boiling.latent_scale = 0" if b.latent_scale == 0 else "boiling.heat_model = grid has no latent heat"
         found.append(("note", f"boiling is free of charge ({why}): liquid at the boiling point vaporises without any heat", ""))

@@ -1,7 +1,5 @@
 """Condensate: liquid that left as vapour and returns to the surface. Boiling spec 3 (mass_model = recycle)."""
 
-import numpy as np
-
 from melt.reference._column import STEPS, column
 from melt.reference._philox import random_words
 
