@@ -40,7 +40,8 @@ SERIES = {
     "merge_z": ("kg m/s", ""),
 }
 _COUNTERS = (
-    "boiled merged vanished burst deferred vapour_dropped condensed condensed_heat heat_in heat_lost push_x push_y push_z merge_x merge_y merge_z"
+    "boiled merged vanished burst deferred vapour_dropped condensed condensed_heat heat_in heat_lost push_x push_y push_z"
+    " merge_x merge_y merge_z"
 ).split()
 
 

@@ -38,7 +38,6 @@ _SERIES_UNITS = (
     ("volume", "m^3"),
 )
 
-
 #: Heats: in K m^3 where a heat capacity is a volume (heat.law = paper).
 _HEATS = ("thermal_energy", "latent_energy", "energy_in")
 
