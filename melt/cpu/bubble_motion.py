@@ -96,8 +96,10 @@ def bubble_drag(
             w += W1 * (w_b - velocity[2, j])
         per_weight = real(1) / real(SW) if SW > wide(0) else real(0)
         du, dv, dw = per_weight * real(u), per_weight * real(v), per_weight * real(w)  # v_b - u_b
-        s0 = math.sqrt(du * du + dv * dv + dw * dw)
         r = bubble_radius[b]
+        if SW == wide(0) and r > pbf.support:  # wider than its support reaches: as in liquid at rest
+            du, dv, dw = u_b, v_b, w_b
+        s0 = math.sqrt(du * du + dv * dv + dw * dw)
         loss = drag_loss(r, real(4) * bubbles.drag * dt * s0) if s0 > real(0) else real(0)
         push = bubbles.inertia * sphere_volume(r) * loss * per_weight
         velocity[0, b] = u_b - loss * du

@@ -267,3 +267,17 @@ def test_bubble_larger_than_the_tank(backend):
     assert all(np.isfinite(a[name]).all() for name in ("position", "velocity", "bubble_push"))
     inside = (a["position"][:2, 1:] >= 0) & (a["position"][:2, 1:] <= 4 * D)
     assert inside.all() and (a["position"][2, 1:] >= 0).all()
+
+
+@everywhere
+@both
+def test_a_bubble_larger_than_its_support_is_slowed_as_in_liquid_at_rest(backend, precision):
+    """No liquid is within R of its centre; without drag it would speed up for ever. A small one in the air is not slowed."""
+    r, v = 3 * D, 0.8
+    x = np.array([[0, 0, 0], [3.2 * D, 0, 0], [9 * D, 0, 0]])
+    a = pool(x, [BUBBLE, LIQUID, BUBBLE], precision, bubble_radius=[r, 0, 0.5 * D], velocity=[[0, 0, 0], [0, 0, 0], [v, 0, v]])
+    out = run("bubble_drag", backend, a, dt=0.01)
+    k = 3 / 8 * 8 / 3 * 1000 / 500.6 / r
+    s1 = (-1 + np.sqrt(1 + 4 * k * 0.01 * v)) / (2 * k * 0.01)
+    assert out["velocity"][2] == pytest.approx([s1, 0, v], rel=1e-6)
+    assert (out["bubble_push"][:, [0, 2]] == 0).all()
