@@ -29,7 +29,7 @@ SERIES = {
     "heat_missing": (
         "J",
         "m (c_p T + latent store) of the liquid, what bubbles took with them and condensed_heat, less the start and what the heater "
-        "brought: the rounding of temperatures (heat_model = particle10 does not conserve, grid counts its cells)",
+        "brought: the rounding of temperatures (heat_model = particle10 does not conserve, grid has no such balance)",
     ),
     "surface_height": ("m", "above the floor: 95th percentile of the liquid"),
     "push_x": ("kg m/s", "momentum that bursts gave to the liquid since the start"),
@@ -70,8 +70,9 @@ def series(do, start):
         "steam_mass": settings.boiling.bubbles.gas_density * volume,
         "quarters_missing": 4 * int(liquid.sum()) + cargo + ledger["released_quarters"] - 4 * start["liquids"],
         "surface_height": float(np.quantile(height, 0.95)) if height.size else 0.0,
-        "heat_missing": _heat(do, m, T, get["latent_store"][liquid], cargo, kept, particle, b),
     }
+    if settings.boiling.heat_model != "grid":  # there a particle only samples the grid, and what boils takes nothing from it
+        values["heat_missing"] = _heat(do, m, T, get["latent_store"][liquid], cargo, kept, particle, b)
     if T.size:
         values |= {
             "temperature_min": float(T.min()),
@@ -85,9 +86,6 @@ def _heat(do, m, T, store, cargo, kept, particle, b):
     """Return the heat that the ledger misses [J]."""
     ledger, c_p = do.clock.ledger, float(b.specific_heat)
     brought = ledger["heat_in"] - ledger["heat_lost"]
-    if do.settings.boiling.heat_model == "grid":  # a particle only samples it
-        cells = do.state.read("voxel_temperature").astype(np.float64) - do.settings.start_temperature
-        return float(do.params["tank"].capacity) * math.fsum(cells) - brought
     held = math.fsum(m * (c_p * T + store.astype(np.float64)))
     gone = 0.0 if kept else particle / 4 * (cargo + ledger["released_quarters"])
     left = gone * (c_p * float(b.boiling_point) + float(b.latent_heat)) + ledger["excess_heat"] + ledger["condensed_heat"]

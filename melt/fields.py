@@ -242,3 +242,13 @@ CARRIED = (
     " position_predicted effect_precision support_radius iterations"
     " latent_store bubble_volume bubble_radius birth_height age cargo vapour_support"
 ).split()
+
+#: Fields that mean something for one phase only: a slot that changes its phase may keep what it had.
+_OWNER = {"bubble_radius": 3, "cargo": 3, "latent_store": 0, "constraint": 0, "effect_precision": 0}
+
+
+def owned(name, values, phase):
+    """Return the values (n,) of a field, 0 for particles of a phase that does not have it."""
+    if name not in _OWNER:
+        return values
+    return (values * (phase == _OWNER[name])).astype(values.dtype)

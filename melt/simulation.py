@@ -1,5 +1,6 @@
 """Run a scene: the loop around a step page, with frames, checkpoints, ledgers and clean ends."""
 
+import copy
 import pathlib
 import time
 from types import SimpleNamespace
@@ -12,7 +13,7 @@ from melt.ahead import compile_ahead
 from melt.bind import Lockstep, Plain, Timed
 from melt.diagnostics import series
 from melt.errors import MeltError
-from melt.fields import FIELDS
+from melt.fields import FIELDS, owned
 from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
@@ -137,7 +138,7 @@ class Simulation:
         names = [n for n in self.prepared.fields if n in OUTPUT_FIELDS]
         if output.fields != "all":
             names = [n for n in names if n in (*output.fields, "id", "phase", "position")]
-        return {n: self.read(n)[keep] for n in names}
+        return {n: owned(n, self.read(n), self.read("phase"))[keep] for n in names}
 
     def series(self):
         """Return the ledgers and notes of now, as {name: number}."""
@@ -161,7 +162,7 @@ class Simulation:
         arrays = {n: self.state.read(n) for n in plan.carried(self.prepared)}
         scene, precision = self._fingerprint, self.prepared.precision
         notes = {k: v.item() if isinstance(v, np.generic) else v for k, v in self.do.notes.items()}
-        meta = {"clock": vars(self.do.clock), "precision": precision, "scene": scene}
+        meta = {"clock": copy.deepcopy(vars(self.do.clock)), "precision": precision, "scene": scene}
         return arrays, meta | {"notes": notes, "notes_from": self._notes_from}
 
     def restore(self, arrays, meta):
@@ -170,7 +171,7 @@ class Simulation:
             raise MeltError("the checkpoint is of another scene than the run beside it: start the run afresh")
         for name, values in arrays.items():
             self.state.set(name, values)
-        vars(self.do.clock).update(meta["clock"])
+        vars(self.do.clock).update(copy.deepcopy(meta["clock"]))
         self.restart_timers()
         self.do.notes, self._notes_from = dict(meta["notes"]), meta["notes_from"]
 

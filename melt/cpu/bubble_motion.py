@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_stage, prange
-from melt.physics.bubbles import drag_loss, inside, sphere_volume
+from melt.physics.bubbles import drag_loss, inside, sphere_volume, too_wide
 from melt.physics.pbf import poly6, support_of
 from melt.physics.phases import BUBBLE, LIQUID
 
@@ -91,14 +91,14 @@ def bubble_drag(
             W1 = poly6(x * x + y * y + z * z, inverse, real(315 / (64 * math.pi)) * inverse * inverse * inverse)
             W1 = W1 if phase[j] == LIQUID else real(0)
             SW += W1
-            u += W1 * (u_b - velocity[0, j])
-            v += W1 * (v_b - velocity[1, j])
-            w += W1 * (w_b - velocity[2, j])
+            u += W1 * (u_b - velocity[0, j]) if phase[j] == LIQUID else real(0)
+            v += W1 * (v_b - velocity[1, j]) if phase[j] == LIQUID else real(0)
+            w += W1 * (w_b - velocity[2, j]) if phase[j] == LIQUID else real(0)
         per_weight = real(1) / real(SW) if SW > wide(0) else real(0)
         du, dv, dw = per_weight * real(u), per_weight * real(v), per_weight * real(w)  # v_b - u_b
         r = bubble_radius[b]
-        if SW == wide(0) and r > pbf.support:  # wider than its support reaches: as in liquid at rest
-            du, dv, dw = u_b, v_b, w_b
+        if too_wide(r, pbf.support):  # as in liquid at rest
+            du, dv, dw, per_weight = u_b, v_b, w_b, real(0)
         s0 = math.sqrt(du * du + dv * dv + dw * dw)
         loss = drag_loss(r, real(4) * bubbles.drag * dt * s0) if s0 > real(0) else real(0)
         push = bubbles.inertia * sphere_volume(r) * loss * per_weight

@@ -33,6 +33,12 @@ def inside(x, lower, upper, radius):
 
 
 @scalar
+def too_wide(radius, support):
+    """Return whether a bubble is so large that the liquid within its support is none, or only what it carries along."""
+    return radius > type(radius)(0.75) * support
+
+
+@scalar
 def drag_loss(radius, reach):
     r"""Return the share of its relative velocity that a bubble loses to quadratic drag in a step.
 

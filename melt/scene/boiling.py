@@ -121,7 +121,10 @@ class Boiling(Section):
     boiling_point: Temperature = 100.0
     latent_heat: LatentHeat = 2.257e6
     latent_scale: NonNegative = 0.02
-    """Share of the latent heat that a particle must take up: 1 is physical, 0 makes boiling free of charge."""
+    """Share of the latent heat that a particle must take up: 1 is physical, 0 makes boiling free of charge.
+
+    What a particle has taken up it keeps when it cools again.
+    """
     nucleation_time: Time = 0.3
     """Mean waiting time of a particle that could boil; 0 boils at once."""
     mass_model: Literal["cargo", "nucleate", "recycle"] = "cargo"
@@ -170,6 +173,15 @@ def check_boiling(scene):
         raise ValueError("[boiling] wants gravity to point down z: domain.gravity = [0, 0, -g]")
     if "z-" not in scene.domain.walls.sides:
         raise ValueError("[boiling] needs a floor: add 'z-' to domain.walls.sides")
+    b = scene.boiling
+    if scene.domain.leave == "delete":
+        raise ValueError("[boiling] keeps count of all its liquid: domain.leave = keep")
+    if b.heat_model == "grid" and (b.surface_transfer > 0 or b.mass_model != "cargo"):
+        raise ValueError(
+            "boiling.heat_model = grid takes all temperatures from its grid: without surface_transfer, and with mass_model = cargo"
+        )
+    if b.boost == "viscosity" and (scene.solver.pressure == "sph" or scene.solver.pbf.xsph == 0):
+        raise ValueError("boiling.boost = viscosity scales solver.pbf.xsph: set pressure = pbf and xsph above 0, or another boost")
     if scene.fluid.temperature > scene.boiling.boiling_point:
         raise ValueError(
             f"fluid.temperature = {scene.fluid.temperature:g} degC is above boiling.boiling_point = "

@@ -25,6 +25,8 @@ def check_pbf(scene):
     if s.support < 1.6:
         raise ValueError(f"solver.support = {s.support:g} is too short for pressure = {s.pressure}: at least 1.6 (lattice sums collapse)")
     if s.pressure == "sph":
+        if s.pbf.precision:
+            raise ValueError("solver.pbf.precision is of the position based solve: set it to false, or pressure = pbf")
         return
     product = relaxation(scene) * stiffness(s.support).largest
     if product > 2:

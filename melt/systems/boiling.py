@@ -33,6 +33,8 @@ def settings_of(scene, liquid, top_speed, bubble_slots, vapour_slots):
     if scene.solver.pressure == "sph":
         c = sph_sound_speed(scene, liquid.depth)
         chosen.update(sph_sound_speed=c, longest_step=scene.solver.sph.cfl * scene.support / c)
+        nu = scene.solver.sph.viscosity / scene.fluid.density
+        chosen.update(viscous_step=0.125 * (0.5 * scene.support) ** 2 / nu if nu > 0 else math.inf)
     else:
         chosen.update(longest_step=longest_step(scene, layers))
     if scene.boiling is not None:
@@ -136,6 +138,7 @@ def squeeze(do, sub_dt):
     do.sph_force(dt=sub_dt)
     do.swap("velocity", "velocity_next")
     predict(do, sub_dt)
+    do.pbf_velocity(dt=sub_dt)  # what the walls stopped
 
 
 def filters(do, sub_dt):
@@ -171,10 +174,13 @@ def step_limits(do):
     threw its water out at 29 m/s).
     """
     s = do.settings
-    return {
+    limits = {
         "sound" if s.pressure == "sph" else "compression": s.longest_step,
         "speed": 0.5 * s.spacing / s.design_speed,
     }
+    if s.pressure == "sph":
+        limits["viscosity"] = s.viscous_step
+    return limits
 
 
 def sub_steps(do, dt):
@@ -189,7 +195,8 @@ def sub_steps(do, dt):
     limits = step_limits(do)
     governing = min(limits, key=limits.get)
     n_sub = s.n_sub or max(1, math.ceil(dt / limits[governing] * (1 - 1e-9)))
-    if s.n_sub is None and dt / s.longest_step > s.n_sub_max * (1 + 1e-9):
+    needed = min(s.longest_step, limits.get("viscosity", math.inf))
+    if s.n_sub is None and dt / needed > s.n_sub_max * (1 + 1e-9):
         raise MeltError(_too_many(s, dt))
     if s.n_sub is None:
         n_sub = min(n_sub, s.n_sub_max)  # of the speed: it is cut
@@ -202,6 +209,11 @@ def sub_steps(do, dt):
 
 def _too_many(s, dt):
     needed, most = math.ceil(dt / s.longest_step), f"time.n_sub_max is {s.n_sub_max}"
+    if s.pressure == "sph" and s.viscous_step < s.longest_step:
+        return (
+            f"time step: solver.sph.viscosity allows sub-steps of {s.viscous_step:.3g} s, {math.ceil(dt / s.viscous_step)} of them "
+            f"in dt = {dt:g} s, but {most}: lower time.dt, raise time.n_sub_max, or lower the viscosity"
+        )
     if s.pressure == "sph":
         return (
             f"time step: a sound speed of {s.sph_sound_speed:.3g} m/s allows sub-steps of {s.longest_step:.3g} s, {needed} of "

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from melt.boiling import threshold_of
+from melt.errors import MeltError
 from melt.physics.phases import BUBBLE, INACTIVE, VAPOUR
 from melt.systems.reads import finite, largest, total
 
@@ -19,6 +20,7 @@ LEDGER = {
     "push_x": 0.0, "push_y": 0.0, "push_z": 0.0, "merge_x": 0.0, "merge_y": 0.0, "merge_z": 0.0,
 }
 BURST = 2  # of bubble_fate
+LAST_ID = 2**31 - 1
 
 
 def start(do):
@@ -42,8 +44,11 @@ def present(do):
 def births(do, dt):
     """Turn liquid particles that have taken up their latent heat into four bubbles each (S1).
 
-    Candidates are served by ascending id as long as there are slots; the others wait as liquid.
+    Candidates are served by ascending id as long as there are slots; the others wait as liquid. The list of bubbles is
+    made first: a run that goes on from a checkpoint has none.
     """
+    if present(do):
+        listed(do)
     clock, ledger = do.clock, do.clock.ledger
     threshold = np.int32(threshold_of(dt, do.settings.boiling.nucleation_time))
     if do.params["boiling"].threshold != threshold:  # the sub-step changed
@@ -63,10 +68,9 @@ def births(do, dt):
             "Fix: raise boiling.bubbles.capacity"
         )
     if served > 0:
-        do.spawn_bubbles(**_moment(do), first_id=clock.next_id, served=served)
+        do.spawn_bubbles(**_moment(do), first_id=_ids(clock, 4 * served), served=served)
         ledger["excess_heat"] += total(do, "birth_excess")
         ledger["boiled"] += served
-        clock.next_id += 4 * served
         clock.largest_bubble = max(clock.largest_bubble, float(do.params["bubbles"].birth_radius))
         listed(do)
 
@@ -153,8 +157,7 @@ def condense(do):
     served = min(due, _list(do, "phase", INACTIVE, "free"))
     if served:
         do.surface_column()
-        do.condense(**_moment(do), first_id=clock.next_id, served=served)
-        clock.next_id += served
+        do.condense(**_moment(do), first_id=_ids(clock, served), served=served)
         ledger["condensed"] += served
         ledger["released_quarters"] -= 4 * served
         cooled = float(b.specific_heat) * (float(b.boiling_point) - do.settings.boiling.air_temperature) + float(b.latent_heat)
@@ -176,8 +179,7 @@ def steam(do):
     served = max(0, min(wanted, free, do.settings.vapour_slots - ledger["vapour"]))
     ledger["vapour_dropped"] += wanted - served
     if served:
-        do.vapour_source(**_moment(do), first_id=clock.next_id, served=served)
-        clock.next_id += served
+        do.vapour_source(**_moment(do), first_id=_ids(clock, served), served=served)
         ledger["vapour"] += served
 
 
@@ -199,6 +201,15 @@ def _list(do, flag, key, name, ordered=False):
     if ordered and number:
         do.order_by_id(index=f"{name}_index", count=f"{name}_count")
     return number
+
+
+def _ids(clock, number):
+    """Return the first of so many ids that nothing had before."""
+    first = clock.next_id
+    if first + number > LAST_ID:
+        raise MeltError(f"boiling: {first:,} particles, bubbles and vapour so far: no new id is below 2^31; start a new run")
+    clock.next_id += number
+    return first
 
 
 def _moment(do):

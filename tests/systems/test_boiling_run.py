@@ -90,6 +90,8 @@ def test_a_run_repeats_itself_bit_by_bit_and_another_seed_differs():
 def test_threads_do_not_change_a_bit():
     numba = pytest.importorskip("numba")
     before = numba.get_num_threads()
+    if before == 1:
+        pytest.skip("one thread only")
     try:
         numba.set_num_threads(1)
         alone = state_of(stepped(pot(), 60))
@@ -98,17 +100,34 @@ def test_threads_do_not_change_a_bit():
     assert same(alone, state_of(stepped(pot(), 60)))
 
 
-def test_a_run_goes_on_from_a_checkpoint_bit_by_bit():
-    whole = Simulation(pot("boiling.vapour.per_burst=2"), "cpu")
+@pytest.mark.parametrize("overrides", [
+    ["boiling.vapour.per_burst=2"], ["boiling.mass_model=recycle"], ["solver.pbf.precision=true"],
+    ["solver.pressure=sph", "time.n_sub_max=64"],
+])
+def test_a_run_goes_on_from_a_checkpoint_bit_by_bit(overrides):
+    """From several steps: in most of them nothing boils in the step that follows."""
+    overrides = [*overrides, "boiling.nucleation_time=0.5"]
+    whole = Simulation(pot(*overrides), "cpu")
     for _ in range(70):
         whole.step()
-    arrays, meta = whole.checkpoint()
-    again = Simulation(pot("boiling.vapour.per_burst=2"), "cpu")
-    again.restore(arrays, meta)
-    for sim in (whole, again):
-        for _ in range(40):
-            sim.step()
     assert whole.do.clock.bubbles > 0
+    quiet = 0
+    for _ in range(4):
+        arrays, meta = whole.checkpoint()
+        again = Simulation(pot(*overrides), "cpu")
+        again.restore(arrays, meta)
+        boiled = whole.do.clock.ledger["boiled"]
+        for sim in (whole, again):
+            sim.step()
+        quiet += whole.do.clock.ledger["boiled"] == boiled
+        assert same(state_of(whole), state_of(again))
+        for _ in range(3):
+            whole.step()
+    assert quiet > 0
+    for _ in range(19):
+        again.step()
+    while whole.do.clock.step < again.do.clock.step:
+        whole.step()
     assert same(state_of(whole), state_of(again))
     assert whole.series() == again.series()
 
@@ -118,7 +137,7 @@ def test_other_mass_models_keep_their_ledgers(model):
     s = stepped(pot(f"boiling.mass_model={model}"), 120).series()
     assert s["boiled"] > 0
     assert s["quarters_missing"] == 0
-    assert abs(s["heat_missing"]) < 1e-6 * s["heat_in"]
+    assert abs(s["heat_missing"]) < 1e-9 * s["heat_in"]
 
 
 def test_more_superheat_boils_more_and_none_boils_nothing():
