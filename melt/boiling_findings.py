@@ -1,5 +1,7 @@
 """What can be known of a scene that boils before it runs, and where its model leaves nature. Boiling spec 2.3, 3, 6, 8."""
 
+import math
+
 import numpy as np
 
 from melt.boiling import diffusivity_of, heater_box, slots_of
@@ -7,9 +9,31 @@ from melt.boiling import diffusivity_of, heater_box, slots_of
 WATER = 1.6e-7  # m^2/s, diffusivity of heat in water
 
 
-def boiling_findings(scene, particles):
-    """Return [(level, text, fix)] of a scene with [boiling] and this number of liquid particles."""
-    return [*_heater(scene), *_heat(scene), *_slots(scene, particles)]
+def boiling_findings(scene, initial):
+    """Return [(level, text, fix)] of a scene with [boiling] and its initial state."""
+    return [*_heater(scene), *_contact(scene, initial), *_heat(scene), *_slots(scene, initial.counts["liquid"])]
+
+
+def _contact(scene, initial):
+    """Whether the heater touches liquid, and when the first bubble may come."""
+    b, box, d = scene.boiling, heater_box(scene), scene.spacing
+    if box is None:
+        return []
+    x = initial["position"][:, initial["phase"] == 0]
+    over = ((x[:2] >= box[0][:, None]) & (x[:2] <= box[1][:, None])).all(axis=0)
+    if x.size and not (over & (x[2] - scene.domain.lower[2] < d)).any():
+        text = f"boiling.heater touches no liquid particle at the start: {_span(*box)}, spacing {d:g} m"
+        return [("warning", text, "a larger boiling.heater.half_size")]
+    rise, above = b.heater.temperature - scene.fluid.temperature, b.heater.temperature - b.boiling_point
+    if b.heater.mode != "robin" or b.heater.rate is not None or b.heater.transfer == 0 or above <= 0 or rise <= 0:
+        return []
+    # of a particle that gives nothing to its neighbours
+    warm = math.log(rise / above) / b.heater.transfer
+    store = 0.0 if b.heat_model == "grid" else b.latent_scale * b.latent_heat / (b.specific_heat * b.heater.transfer * above)
+    text = f"boiling: a particle at the heater boils after {warm + store:.2g} s at the earliest ({store:.2g} s of it for its latent heat)"
+    if warm + store > scene.time.end:
+        return [("warning", f"{text}; the run ends at {scene.time.end:g} s", "a later time.end, or a hotter boiling.heater.temperature")]
+    return [("note", text, "")]
 
 
 def _heater(scene):

@@ -173,7 +173,7 @@ def render_video(
     frames=None,
     progress=None,
 ):
-    """Write frames (all unless given) as H.264; Ctrl-C or a failure leaves no file.
+    """Write frames (numbers or a slice; all unless given) as H.264; Ctrl-C or a failure leaves no file.
 
     ``progress(done, total)`` is called after each frame.
     """
@@ -181,7 +181,9 @@ def render_video(
 
     size = tuple(v - v % 2 for v in size)  # yuv420p halves both
     painter = Painter(run, field, surface, view, size, walls)
-    chosen = range(len(run)) if frames is None else list(frames)
+    chosen = range(len(run))[frames] if isinstance(frames, slice) else range(len(run)) if frames is None else list(frames)
+    if not len(chosen):
+        raise OutputError(f"no frame to draw: {run.path} has frames 0 to {len(run) - 1}.")
     with whole(out_mp4) as temporary:
         writer = imageio_ffmpeg.write_frames(
             str(temporary),

@@ -20,11 +20,11 @@ from melt.scene.quantities import (
     SpecificHeat,
     Temperature,
     TemperatureDifference,
-    Time,
     quantity,
 )
 
 Pair = Annotated[list[Length], Field(min_length=2, max_length=2)]
+Span = quantity("time", at_least=0)
 PositivePair = Annotated[list[PositiveLength], Field(min_length=2, max_length=2)]
 
 
@@ -59,7 +59,7 @@ class BubbleLaws(Section):
     """C_A: inertia is that of the gas and of C_A times the displaced liquid."""
     drag: Positive = 8 / 3
     """C_D; 8/3 makes the terminal speed sqrt(g r)."""
-    merge_age: Time = 0.1
+    merge_age: Span = 0.1
     """Younger bubbles do not merge: the four of one particle overlap at birth."""
     merge_position: Literal["centre", "mean"] = "centre"
     """"centre": by volume; "mean": plain mean (the paper)."""
@@ -125,7 +125,7 @@ class Boiling(Section):
 
     What a particle has taken up it keeps when it cools again.
     """
-    nucleation_time: Time = 0.3
+    nucleation_time: Span = 0.3
     """Mean waiting time of a particle that could boil; 0 boils at once."""
     mass_model: Literal["cargo", "nucleate", "recycle"] = "cargo"
     """"cargo": bubbles carry the particle's mass and release it; "nucleate": the particle stays; "recycle": what is
