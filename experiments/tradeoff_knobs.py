@@ -16,12 +16,17 @@ SCENES = {"ice_cube_small": 100, "stefan_front_small": 60}
 
 def run(out, quick=False, say=print):
     """Sweep both scenes (``quick``: the default and two knobs, 5 steps); plots go beside ``out``."""
+    knobs = [("default", "-", []), *tradeoff.HEAT[:2]] if quick else None
+    sweep(out, {scene: 5 if quick else steps for scene, steps in SCENES.items()}, knobs, say)
+
+
+def sweep(out, scenes, knobs, say):
+    """Sweep scenes ({name: steps}) over ``knobs`` (all that the scene has for None) into one file."""
     out = pathlib.Path(out)
     with h5py.File(out, "w") as file:
-        for scene, steps in SCENES.items():
+        for scene, steps in scenes.items():
             part = out.with_name(f"{out.stem}_{scene}.h5")
-            knobs = [("default", "-", []), *tradeoff.HEAT[:2]] if quick else None
-            tradeoff.run(scene, part, 5 if quick else steps, knobs, say=say)
+            tradeoff.run(scene, part, steps, knobs, say=say)
             with h5py.File(part) as source:
                 source.copy(source["/"], file, name=scene)
             part.unlink()

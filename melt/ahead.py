@@ -31,7 +31,7 @@ from melt.stages import STAGES
 _ready = set()  # (stage, types) that this process has found in the cache
 
 
-def signatures(do, stages):
+def signatures(do, stages, renamed):
     """Return [(stage name, numba types of its arguments)] of the stages that a bound run may launch."""
     calls = []
     for name in stages:
@@ -41,7 +41,7 @@ def signatures(do, stages):
             carried = [do.state.get(field) for field in CARRIED if field in do.state]
             calls += [(name, [do.state.get("order"), a, a]) for a in carried if len(a.shape) == ndim]
         else:
-            scalars = {p: SCALARS[p] for p in stage.params if p in SCALARS}
+            scalars = {p: SCALARS[p] for p in stage.params if p in SCALARS} | renamed.get(name, {})
             calls.append((name, do.arguments(stage, scalars)))
     return list(dict.fromkeys((name, tuple(_compile.typeof(a) for a in arguments)) for name, arguments in calls))
 
@@ -60,7 +60,7 @@ def _missing(calls):
     return missing
 
 
-def compile_ahead(do, stages, progress=None):
+def compile_ahead(do, stages, renamed=None, progress=None):
     """Bring every CPU stage of a run into the cache; return the seconds that it took.
 
     ``progress("compile", message=..., done=..., total=...)`` hears of it if there is anything to do.
@@ -68,7 +68,7 @@ def compile_ahead(do, stages, progress=None):
     """
     if do.backend.folder != "cpu" or not _compile.CACHED:
         return 0.0
-    calls = signatures(do, stages)
+    calls = signatures(do, stages, renamed or {})
     if not _missing(calls):
         return 0.0
     start = time.perf_counter()

@@ -6,6 +6,8 @@ A step page is written once, ``page(do)``, and serves all backends:
 ``Timed``     and gives milliseconds per stage
 ``Lockstep``  gives a second backend the same inputs before each stage and compares after it
 ``Recorder``  runs nothing and lists what would run: `melt.plan` derives the plan from it
+
+``do.stage(dt=0.1)`` gives a scalar, ``do.stage(cell="bubble_cell")`` lets the stage work on another field.
 """
 
 import time
@@ -25,6 +27,7 @@ def new_clock():
     return SimpleNamespace(
         time=0.0, step=0, previous_dt=0.0, max_speed=0.0, max_acceleration=0.0, active=0, layers={},
         entered={}, origin_time=0.0, origin_step=0, melted=0, frozen=0, energy_in=0.0,
+        sub_step=0, bubbles=0, largest_bubble=0.0, next_id=0, ledger={},
     )
 
 
@@ -60,11 +63,14 @@ class Plain:
         """Return the argument list of ``stage``; arrays are looked up again only after a swap."""
         version, cached = self._bound.get(stage.name, (-1, None))
         if version != self.state.version:
-            cached = [self.params.get(a) if a in stage.params else self.state.get(a) for a in stage.arguments]
+            named = [self.params.get if a in stage.params or a not in FIELDS else self.state.get for a in stage.arguments]
+            cached = [get(a) for get, a in zip(named, stage.arguments)]
             self._bound[stage.name] = (self.state.version, cached)
         arguments = list(cached)
         for k, name in enumerate(stage.arguments):
-            if name in scalars:
+            if isinstance(scalars.get(name), str):  # the stage works on another field
+                arguments[k] = self.state.get(scalars[name])
+            elif name in scalars:
                 arguments[k] = self._cast(scalars[name])
             elif arguments[k] is None:
                 raise TypeError(f"stage {stage.name}: no parameter {name!r} was given")
@@ -191,27 +197,32 @@ class Lockstep(Plain):
 class Recorder:
     """List the stages, fields and parameters that a step page would use, running nothing.
 
-    Reads return ones, so that a page goes through the branch where something happened.
+    Reads return ones, integers 100, so that a page goes through the branch where something happened.
     """
 
     def __init__(self, params, need, settings):
         self.params, self.need, self.settings = params, need, settings
         self.clock = new_clock()
+        self.clock.largest_bubble = np.inf
         self.notes = {}
         self.listed = False
         self.stages = []
         self.fields = []
+        self.renamed = {}  # stage: the other fields that it works on
 
     def __getattr__(self, name):
         if name not in STAGES:
             raise AttributeError(f"no stage called {name!r}")
-        return lambda **scalars: self.run(name)
+        return lambda **scalars: self.run(name, scalars)
 
-    def run(self, name):
+    def run(self, name, scalars=None):
         if name not in self.stages:
             self.stages.append(name)
+        if any(isinstance(v, str) for v in (scalars or {}).values()):
+            self.renamed.setdefault(name, scalars)
         for field in STAGES[name].reads + STAGES[name].writes:
-            self._use(field)
+            other = (scalars or {}).get(field)
+            self._use(other if isinstance(other, str) else field)
 
     def _use(self, field):
         if field in FIELDS and field not in self.fields:
@@ -223,12 +234,16 @@ class Recorder:
 
     def read(self, name):
         self._use(name)
-        return np.ones([int(e) if e.isdigit() else 1 for e in FIELDS[name].shape])
+        shape = [int(e) if e.isdigit() else 1 for e in FIELDS[name].shape]
+        return np.full(shape, 100) if FIELDS[name].kind == "int" else np.ones(shape)
 
     def size(self, extent):
-        return 1
+        return 100
 
     def note(self, name, value):
+        pass
+
+    def forget(self):
         pass
 
     def reorder(self):

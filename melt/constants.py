@@ -22,6 +22,16 @@ def lattice_offsets(ratio):
     return np.sort(r[(r > 0) & (r < ratio)])
 
 
+def list_capacity(ratio):
+    """Return the slots of a neighbour list to begin with: 1.4 times the particles at rest in a support of ``ratio`` spacings.
+
+    In whole cache lines of 16 numbers. Longest list of a developed dam break: 44 at ratio 2 (48 slots), 86 at 2.5 (96).
+    Slots that stay empty are not free, as the processor fetches rows ahead only if they are close: at ratio 2 a step of
+    the position based fluid takes 0.73 to 0.83 of the time that it takes with 128 slots (61,440 particles, CPU, one thread).
+    """
+    return 16 * math.ceil(1.4 * 4 / 3 * math.pi * ratio**3 / 16)
+
+
 def surface_share(ratio):
     """Return k_A of A = k_A dx^2 (1 - N/N_full) that gives a particle of a flat face the area dx^2 (8/3 at 2.5)."""
     reach = math.ceil(ratio)

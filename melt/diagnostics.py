@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from melt import boiling_ledger
 from melt.physics.phases import INACTIVE, LIQUID, SOLID
 
 #: Name -> (unit, meaning) of every value that `series` returns.
@@ -44,13 +45,13 @@ SERIES = {
     "temperature_min": ("degC", ""),
     "temperature_max": ("degC", ""),
     "temperature_mean": ("degC", "weighted with heat capacity"),
-}
+} | boiling_ledger.SERIES
 
 
 def series(do, start):
     """Return the values of `SERIES` that the scene has, as {name: float}.
 
-    ``start`` holds what is compared with: ``solids`` (number at the start), ``mass_entered`` [kg].
+    ``start`` holds what is compared with: ``solids`` and ``liquids`` (numbers at the start), ``mass_entered`` [kg].
     """
     state = do.state
     order = np.argsort(state.read("id"), kind="stable")
@@ -93,8 +94,13 @@ def series(do, start):
         values["guard_pairs"] = int(f["offenders"][liquid].sum())
     if start["solids"]:
         values["melted_fraction"] = 1.0 - values["solid_particles"] / start["solids"]
-    if "temperature" in wide:
+    if "heat_capacity" in wide:
         values.update(_thermal(wide, mobile, _melting_points(state, phase, f["material"])[mobile]))
+    if do.need.boiling:
+        values.update(boiling_ledger.series(do, start))
+        values["mass_created"] = do.settings.particle_mass / 4 * values["quarters_missing"]
+        values["mass_deleted"] = 0.0  # inactive slots were bubbles or vapour
+        values["lost_particles"] = outside(x, do.params["domain"])
     for name, counted in _COUNTED.items():
         if any(getattr(do.need, need) for need in counted):
             values[name] = getattr(do.clock, name)

@@ -5,6 +5,10 @@ class MeltError(Exception):
     """A message for the user; the command line prints it without a traceback."""
 
 
+class NotFinite(MeltError):
+    """A step page read a number back that is not finite; the simulation tells which particle."""
+
+
 class SceneError(MeltError, ValueError):
     """A scene cannot be read or breaks its model."""
 

@@ -4,7 +4,7 @@ Everything that allocates, files, checks or documents an array reads it from her
 Shapes are written with extents (`EXTENTS`); component axes come first: ``(3, particle)``.
 
 Kinds: ``real`` follows the precision policy, ``position`` is float64 under ``mixed``,
-``int`` is int32. ``scale`` names the entry of `State.scales` that makes a difference in
+``double`` is always float64 (ledgers), ``int`` is int32. ``scale`` names the entry of `State.scales` that makes a difference in
 this field large or small (see `melt.check`); integers compare exactly.
 """
 
@@ -27,6 +27,8 @@ EXTENTS = {
     "surface_node": "points at which the surface field is wanted",
     "table": "points of the kernel table over the support radius",
     "bin": "quarters of a spacing over the height of the domain and as much again",
+    "column": "columns of the neighbour grid, nx ny, x fastest",
+    "voxel": "cells of the temperature grid, a spacing wide, x fastest",
     "reduction": "64 partial results of a fixed-shape reduction",
 }
 
@@ -79,6 +81,7 @@ _TABLE = [
     _f("multiplier", "particle", "real", "kg m^2", "multiplier", "Lagrange multiplier lambda of the density constraint; 0 for others than liquid"),
     _f("correction", "3 particle", "real", "m", "spacing", "position correction of one iteration, relaxed"),
     _f("vorticity", "3 particle", "real", "1/s", "rate", "curl of the velocity"),
+    _f("momentum_size", "particle", "real", "kg m/s", "momentum", "m |v| of a liquid particle, 0 for others"),
     _f("effect_precision", "particle", "real", "1", "one", "effect precision F, from 0 to 1"),
     _f("support_radius", "particle", "real", "m", "spacing", "support radius R_i of a liquid particle; 0 for others, which take their partner's"),
     _f("iterations", "particle", "int", "1", "", "iterations J_i of a liquid particle in the next step; 0 for others"),
@@ -88,6 +91,51 @@ _TABLE = [
     _f("kernel_scale", "3 table", "real", "1", "one", "315/(64 pi S), 45/(pi G), 45/(pi N_L) over the support radius"),
     _f("height_bins", "bin", "int", "1", "", "liquid particles by height above the floor, in quarters of a spacing"),
     _f("pbf_bounds", "2 reduction", "real", "m/s, 1", "speed", "largest speed and density constraint of liquid particles"),
+    # boiling: heat of the liquid
+    _f("latent_store", "particle", "real", "J/kg", "latent_heat", "heat that a liquid particle took up at the boiling point"),
+    _f("heat_sum", "particle", "real", "1", "one", "(1/6) sum of V_j r^2 lap W3 over liquid neighbours: 1 in the continuum"),
+    _f("heater_heat", "reduction", "double", "J", "heat", "heat that the heater brought in this step"),
+    _f("lost_heat", "reduction", "double", "J", "heat", "heat that the surface lost in this step"),
+    _f("boil_content", "reduction", "double", "J", "heat", "heat of the liquid, m (c_p T + latent store)"),
+    _f("voxel_temperature", "voxel", "real", "degC", "temperature", "temperature of the grid (heat_model = grid)"),
+    _f("voxel_temperature_next", "voxel", "real", "degC", "temperature", "temperature of the grid after the pass (double buffer)"),
+    _f("liquid_sums", "5 reduction", "double", "kg, kg m/s, kg K", "one", "sums over the liquid of m, m v (3) and m T"),
+    # boiling: lists of particles
+    _f("bubble_index", "particle", "int", "1", "", "slots of the bubbles, by ascending id"),
+    _f("bubble_count", "1", "int", "1", "", "number of them"),
+    _f("free_index", "particle", "int", "1", "", "inactive slots, ascending"),
+    _f("free_count", "1", "int", "1", "", "number of them"),
+    _f("candidate", "particle", "int", "1", "", "1 for a liquid particle that boils in this step"),
+    _f("birth_index", "particle", "int", "1", "", "slots of the candidates, by ascending id"),
+    _f("birth_count", "1", "int", "1", "", "number of them"),
+    _f("birth_excess", "reduction", "double", "J", "heat", "heat above the latent heat that boiled particles held"),
+    _f("list_scratch", "particle", "int", "1", "", "scratch of sorting a list by id"),
+    # boiling: bubbles
+    _f("bubble_volume", "particle", "double", "m^3", "volume", "volume V0 of a bubble at birth or merger; 0 for others"),
+    _f("bubble_radius", "particle", "real", "m", "spacing", "radius of a bubble, 0 for others"),
+    _f("birth_height", "particle", "real", "m", "spacing", "height above the floor at which a bubble was born or merged"),
+    _f("age", "particle", "real", "s", "time", "time since a bubble or vapour particle was born"),
+    _f("cargo", "particle", "int", "1", "", "quarters of a liquid particle that a bubble carries"),
+    _f("bubble_push", "3 particle", "real", "kg m^4/s", "bubble_push", "momentum that a bubble hands to the liquid, per sum of kernel weights"),
+    _f("bubble_shift", "2 particle", "real", "m", "spacing", "horizontal drift of a bubble towards others"),
+    _f("largest_bubble", "reduction", "real", "m", "spacing", "largest radius of the bubbles in each of 64 pieces"),
+    _f("bubble_cell", "particle", "int", "1", "", "coarse cell of a bubble; others are in the range behind the last"),
+    _f("bubble_order", "particle", "int", "1", "", "particle that comes k-th in the order of coarse cells"),
+    _f("bubble_start", "cell", "int", "1", "", "first sorted bubble of a coarse cell"),
+    _f("merge_root", "particle", "int", "1", "", "slot of the bubble of smallest id that this one merges with (itself if none), -1 for others"),
+    _f("merge_size", "particle", "int", "1", "", "bubbles that merge, at the slot of their root; else 0"),
+    _f("merge_removed", "3 reduction", "double", "kg m/s", "one", "momentum that merging took out (merge_velocity = up)"),
+    _f("surface_column", "column", "int", "1", "", "height of the highest liquid in a column above the floor, in 1/4096 of a spacing; -1 without liquid"),
+    _f("bubble_fate", "particle", "int", "1", "", "0 stays, 1 vanishes, 2 bursts in this step"),
+    _f("burst_top", "particle", "real", "m", "spacing", "height of the surface above a bubble that leaves"),
+    _f("burst_index", "particle", "int", "1", "", "slots of bursting bubbles, by ascending id"),
+    _f("burst_count", "1", "int", "1", "", "number of them"),
+    _f("released", "3 reduction", "int", "1", "", "bubbles that vanished, that burst, and the quarters of liquid that they carried"),
+    # boiling: vapour
+    _f("vapour_density", "particle", "real", "kg/m^3", "one", "SPH density of a vapour particle"),
+    _f("vapour_pressure", "particle", "real", "Pa", "one", "pressure of a vapour particle"),
+    _f("vapour_push", "particle", "real", "N/m^3", "one", "size of the pressure force on vapour per volume, P_i of eq (16)"),
+    _f("vapour_support", "particle", "real", "m", "spacing", "support radius R' of a vapour particle, 0 for others"),
     # heat solvers
     _f("heat_conductance", "particle neighbour", "real", "W/K", "conductance", "G_ij to each neighbour of the list"),
     _f("heat_rate", "reduction", "real", "1/s", "rate", "largest sum of G_ij/C_i of a particle"),
@@ -192,4 +240,15 @@ FIELDS = {field.name: field for field in _TABLE}
 CARRIED = (
     "id phase material site position velocity mass rest_volume temperature latent_energy latent_capacity"
     " position_predicted effect_precision support_radius iterations"
+    " latent_store bubble_volume bubble_radius birth_height age cargo vapour_support"
 ).split()
+
+#: Fields that mean something for one phase only: a slot that changes its phase may keep what it had.
+_OWNER = {"bubble_radius": 3, "cargo": 3, "latent_store": 0, "constraint": 0, "effect_precision": 0}
+
+
+def owned(name, values, phase):
+    """Return the values (n,) of a field, 0 for particles of a phase that does not have it."""
+    if name not in _OWNER:
+        return values
+    return (values * (phase == _OWNER[name])).astype(values.dtype)

@@ -79,16 +79,19 @@ def _bad(values, active):
 
 
 def not_finite(sim):
-    """Return a paragraph that names the first field, in stage order, that is not finite, and where.
+    """Return a paragraph that names a field that is not finite, and where.
 
-    Within the step that is blamed it spreads to neighbours: the particle is one of those that have it.
+    Within the step that is blamed it spreads to neighbours and to other fields: of those, the field that the fewest
+    particles have bad is named (the first in stage order), and one of these particles.
     """
     state, clock = sim.state, sim.do.clock
     active = state.read("phase") != INACTIVE
     when = f"step {clock.step}, t = {clock.time:.5g} s"
     after = (
-        "The frames before are kept. Lower time.dt, fix time.n_sub to more sub-steps, or raise fluid.alpha"
+        "The frames before are kept. Lower time.dt, fix time.n_sub to more sub-steps, or raise "
+        + ("solver.pbf.iterations" if sim.prepared.need.pbf else "solver.sph.viscosity" if sim.prepared.need.sph else "fluid.alpha")
     )
+    found = []
     names = (name for stage in sim.prepared.stages for name in STAGES[stage].writes)
     for name in dict.fromkeys(names):
         field = FIELDS.get(name)
@@ -101,11 +104,14 @@ def not_finite(sim):
             continue
         bad = _bad(state.read(name), active)
         if bad.any():
-            i = int(np.argmax(bad))
-            x = np.array2string(state.read("position")[:, i], precision=4)
-            stages = " or ".join(s for s in sim.prepared.stages if name in STAGES[s].writes)
-            who = f"particle {int(state.read('id')[i])}, position {x} m{_more(bad)}"
-            return f"{when}: field {name} (stage {stages}) is not finite at {who}. {after}"
+            found.append((int(bad.sum()), name, bad))
+    if found:
+        _, name, bad = min(found, key=lambda f: f[0])
+        i = int(np.argmax(bad))
+        x = np.array2string(state.read("position")[:, i], precision=4)
+        stages = " or ".join(s for s in sim.prepared.stages if name in STAGES[s].writes)
+        who = f"particle {int(state.read('id')[i])}, position {x} m{_more(bad)}"
+        return f"{when}: field {name} (stage {stages}) is not finite at {who}. {after}"
     speed = np.where(active, np.linalg.norm(state.read("velocity").astype(np.float64), axis=0), -1.0)
     i = int(np.argmax(speed))
     return (

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from melt.params_boiling import Boiling, Bubbles, Condensate, Sph, Tank, Vapour  # noqa: F401
+
 CUBIC, WENDLAND2, MUELLER = range(3)
 L_VISC, L_BROOK, L_BROOK_REGULAR = range(3)
 ARTIFICIAL, LAMINAR = range(2)
@@ -15,6 +17,8 @@ VOLUME_REST, VOLUME_AKINCI, VOLUME_SHELL = range(3)
 ROTATION_SVD, ROTATION_HORN, ROTATION_ITERATIVE = range(3)
 HEAT_PAPER, HEAT_PHYSICAL = range(2)
 REFILL_ALL, REFILL_CHANGED, REFILL_AFFECTED = range(3)
+BOOST_OFF, BOOST_RATE, BOOST_LITERAL, BOOST_BOUSSINESQ, BOOST_VISCOSITY = range(5)
+MASS_CARGO, MASS_NUCLEATE, MASS_RECYCLE = range(3)
 
 
 class Smoothing(NamedTuple):
@@ -143,7 +147,8 @@ class Pbf(NamedTuple):
 
     spacing: float  # d [m]
     support: float  # R, the largest support radius [m]
-    uniform: int  # 1: every particle has R and all iterations (effect precision off)
+    uniform: int  # 1: every particle has the support R (no effect precision, or not of the support)
+    same_iterations: int  # 1: every particle has all iterations
     value_scale: float  # of W1 at R: 315/(64 pi R^3 S) [1/m^3]
     gradient_scale: float  # of |grad W2| at R: 45/(pi R^4 G) [1/m^4]
     table_start: float  # R/d of the first point of `kernel_scale`

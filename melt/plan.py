@@ -10,11 +10,12 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from melt import boiling as boil
 from melt.bind import Recorder
-from melt.constants import lattice_offsets, params_of, sound_speed_of
+from melt.constants import lattice_offsets, list_capacity, params_of, sound_speed_of
 from melt.fields import CARRIED, FIELDS
 from melt.physics.phases import LIQUID, SOLID
-from melt.position_based import POINTS, pbf_of, vessel_of
+from melt.position_based import POINTS, adaptive, pbf_fields, pbf_of, short_lists, vessel_of
 from melt.state import REAL, bytes_of
 from melt.systems import boiling, melting
 from melt.systems.heat import thermal_substeps
@@ -23,7 +24,7 @@ from melt.systems.heat import thermal_substeps
 ALWAYS = ("id", "phase", "material", "position", "velocity", "mass", "rest_volume")
 #: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
 ONLY_IF = {
-    "effect_precision": ("support_radius", "iterations", "kernel_scale"),
+    "effect_precision": ("effect_precision", "support_radius", "iterations", "kernel_scale"),
     "latent": ("latent_energy", "latent_capacity", "latent_point", "heat_capacity_molten"),
 }
 
@@ -40,6 +41,7 @@ class Prepared:
     sizes: dict  # extents
     precision: str
     stages: list  # names in order of first call
+    renamed: dict  # stage: other fields that it works on
     fields: list  # names, allocated
     warnings: list = field(default_factory=list)
 
@@ -56,13 +58,23 @@ class Prepared:
 def needs(scene, initial):
     """Return what the scene requires, as booleans that the step page asks for."""
     heat, fluid, solver = scene.heat, scene.fluid, scene.solver
-    pbf = scene.solver.pressure == "pbf"
+    pbf, wcsph = scene.solver.pressure == "pbf", scene.solver.pressure == "wcsph"
+    b = scene.boiling
     solids = initial.counts["solid"] > 0 or bool(scene.heat and heat.refreeze and scene.solid)
     melts = np.isfinite(initial["material_melting_point"]).any()
     matter = initial.counts["wall"] > 0 or solids
     return SimpleNamespace(
         pbf=pbf,
-        effect_precision=pbf and solver.pbf.precision,
+        sph=scene.solver.pressure == "sph",
+        boiling=b is not None,
+        heater=b is not None and boil.heater_box(scene) is not None,
+        surface_loss=b is not None and b.surface_transfer > 0 and b.heat_model != "grid",
+        boost=b is not None and b.boost in ("rate", "literal", "boussinesq"),
+        warm_viscosity=b is not None and b.boost == "viscosity",
+        vapour=b is not None and b.vapour is not None,
+        condensate=b is not None and b.mass_model == "recycle",
+        effect_precision=adaptive(scene),
+        short_lists=short_lists(scene),
         vorticity=pbf and solver.pbf.vorticity > 0,
         blend=pbf and solver.pbf.xsph > 0,
         solids=solids,
@@ -81,7 +93,7 @@ def needs(scene, initial):
         drag=fluid.drag > 0,
         surface_tension=fluid.surface_tension > 0,
         xsph=fluid.xsph > 0,
-        guard=solver.guard and matter and not pbf,
+        guard=solver.guard and matter and wcsph,
         contact=solver.contact and solids,
         domain=scene.domain.leave == "delete",
     )
@@ -138,7 +150,7 @@ def sizes_of(scene, initial, params, precision):
     cells = int(grid.nx) * int(grid.ny) * int(grid.nz) + 2
     return {
         "particle": n,
-        "neighbour": scene.solver.max_neighbours,
+        "neighbour": scene.solver.max_neighbours or list_capacity(scene.solver.support),
         "cell": cells,
         "node": n,
         "chunk": math.ceil(max(n, cells) / 256) + 1,
@@ -149,6 +161,8 @@ def sizes_of(scene, initial, params, precision):
         "heater": initial["heater_mode"].size if "heater_mode" in initial else 0,
         "inlet": initial["inflow_mass"].size if "inflow_mass" in initial else 0,
         "nucleus": initial["nucleus_sites"].shape[1],
+        "column": int(grid.nx) * int(grid.ny),
+        "voxel": math.prod(boil.liquid_of(scene, initial).cells),
         "table": POINTS,
         "bin": 8 * scene.domain.cells[2],
         "reduction": 64,
@@ -169,10 +183,9 @@ def prepare(scene, initial, precision=None):
     need = needs(scene, initial)
     settings = settings_of(scene, initial, sound_speed, precision)
     system = melting
-    if need.pbf:
+    if scene.solver.pressure != "wcsph":
         system, warning = boiling, ""
-        settings.__dict__.update(boiling.settings_of(scene, depth))
-        params.update(pbf=pbf_of(scene, REAL[precision]), vessel=vessel_of(scene, REAL[precision]))
+        _boiling(scene, initial, need, settings, params, REAL[precision])
     page = system.step if scene.solver.motion else melting.still_step
     do = Recorder(params, need, settings)
     do.clock.layers = dict.fromkeys((nozzle.name for nozzle in initial.nozzles), 0)
@@ -190,9 +203,36 @@ def prepare(scene, initial, precision=None):
         sizes,
         precision,
         do.stages,
+        do.renamed,
         [n for n in FIELDS if n in names],
         [warning] if warning else [],
     )
+
+
+def _boiling(scene, initial, need, settings, params, real):
+    """Add the choices and parameters of the position based fluid, of plain SPH and of boiling."""
+    liquid = boil.liquid_of(scene, initial)
+    settings.__dict__.update(boiling.settings_of(scene, liquid, initial.top_speed, *boil.slots_of(scene, liquid.particles)))
+    params.update(pbf=pbf_of(scene, real), vessel=vessel_of(scene, real))
+    if need.sph:
+        params["sph"] = boil.sph_of(scene, liquid.depth, real)
+    if need.boiling:
+        params.update(boiling=boil.boiling_of(scene, real, scene.time.dt), bubbles=boil.bubbles_of(scene, liquid, real))
+        params["tank"] = boil.tank_of(scene, liquid, real)
+    if need.condensate:
+        params["condensate"] = boil.condensate_of(scene, real)
+    if need.vapour:
+        params["vapour"] = boil.vapour_of(scene, real)
+
+
+def derived_fields(scene, initial, prepared):
+    """Return initial arrays that follow from the method, not from the geometry."""
+    found = {}
+    if prepared.need.effect_precision:
+        found.update(pbf_fields(scene, initial["phase"]))
+    if prepared.need.boiling:
+        found.update(boil.boiling_fields(scene, boil.liquid_of(scene, initial)))
+    return found
 
 
 def scales_of(scene, initial, settings):
@@ -228,6 +268,9 @@ def scales_of(scene, initial, settings):
         "acceleration": cs**2 / dx * 0.01,
         "mobility": 1 / mass,
         "multiplier": 0.1 * mass * dx**2,
+        "time": 1.0,
+        "momentum": mass * 0.1 * cs,
+        "bubble_push": mass * 0.1 * cs * dx**3,
         "rate2": (0.1 * cs / dx) ** 2,
     }
 

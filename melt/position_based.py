@@ -115,6 +115,16 @@ def softening(scene):
     return scene.solver.pbf.eps_rel * D0, D0
 
 
+def adaptive(scene):
+    """Return whether particles have an effect precision."""
+    return scene.solver.pressure == "pbf" and scene.solver.pbf.precision
+
+
+def short_lists(scene):
+    """Return whether effect precision shortens support radii: with the whole support as minimum it has iterations only."""
+    return adaptive(scene) and scene.solver.pbf.minimum_support < scene.solver.support
+
+
 def pbf_of(scene, real):
     """Return the `Pbf` tuple of a scene."""
     q, d, ratio = scene.solver.pbf, scene.spacing, scene.solver.support
@@ -125,7 +135,8 @@ def pbf_of(scene, real):
         real,
         spacing=d,
         support=R,
-        uniform=int(not q.precision),
+        uniform=int(not short_lists(scene)),
+        same_iterations=int(not adaptive(scene) or q.minimum_iterations >= q.iterations),
         value_scale=315 / (64 * math.pi * R**3 * sums.value),
         gradient_scale=45 / (math.pi * R**4 * sums.gradient),
         table_start=SHORTEST,

@@ -1,5 +1,6 @@
 """Run a scene: the loop around a step page, with frames, checkpoints, ledgers and clean ends."""
 
+import copy
 import pathlib
 import time
 from types import SimpleNamespace
@@ -12,14 +13,13 @@ from melt.ahead import compile_ahead
 from melt.bind import Lockstep, Plain, Timed
 from melt.diagnostics import series
 from melt.errors import MeltError
-from melt.fields import FIELDS
+from melt.fields import FIELDS, owned
 from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
 from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
 from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
-from melt.position_based import pbf_fields
 from melt.preflight import findings
 from melt.scene import load_scene, scene_from_toml
 from melt.scene.model import OUTPUT_FIELDS
@@ -52,8 +52,7 @@ class Simulation:
         if p.need.solids:
             sites = (self.initial[n] for n in ("site_cell", "site_body", "site_particle"))
             self.initial.arrays.update(lattice_fields(*sites, connect=self.scene.solver.connect))
-        if p.need.effect_precision:
-            self.initial.arrays.update(pbf_fields(self.scene, self.initial["phase"]))
+        self.initial.arrays.update(plan.derived_fields(self.scene, self.initial, p))
         self.state = State(self.backend, p.precision, p.sizes, p.fields)
         given = (self.state, p.params, p.need, p.settings)
         if lockstep:
@@ -71,16 +70,17 @@ class Simulation:
             if name in self.state:
                 self.state.set(name, values)
         self._timed_from = self._notes_from = 0
-        self.lost_told = self.limit_told = False
+        self.lost_told, self.told = False, set()  # kinds of warnings, by their first word
         self._fingerprint = checkpoint.fingerprint(self.scene.to_toml())
         clock = self.do.clock
         clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
-        self.compile_seconds = compile_ahead(self.do, p.stages, progress)
+        self.compile_seconds = compile_ahead(self.do, p.stages, p.renamed, progress)
         p.system.start(self.do)
         mobile = np.isin(self.initial["phase"], (LIQUID, SOLID))
         self._start = {
             "solids": int((self.initial["phase"] == SOLID).sum()),
+            "liquids": int((self.initial["phase"] == LIQUID).sum()),
             "mass": float(self.initial["mass"][mobile].sum()),
             "mass_entered": self._mass_entered,
         }
@@ -138,7 +138,7 @@ class Simulation:
         names = [n for n in self.prepared.fields if n in OUTPUT_FIELDS]
         if output.fields != "all":
             names = [n for n in names if n in (*output.fields, "id", "phase", "position")]
-        return {n: self.read(n)[keep] for n in names}
+        return {n: owned(n, self.read(n), self.read("phase"))[keep] for n in names}
 
     def series(self):
         """Return the ledgers and notes of now, as {name: number}."""
@@ -162,7 +162,7 @@ class Simulation:
         arrays = {n: self.state.read(n) for n in plan.carried(self.prepared)}
         scene, precision = self._fingerprint, self.prepared.precision
         notes = {k: v.item() if isinstance(v, np.generic) else v for k, v in self.do.notes.items()}
-        meta = {"clock": vars(self.do.clock), "precision": precision, "scene": scene}
+        meta = {"clock": copy.deepcopy(vars(self.do.clock)), "precision": precision, "scene": scene}
         return arrays, meta | {"notes": notes, "notes_from": self._notes_from}
 
     def restore(self, arrays, meta):
@@ -171,7 +171,7 @@ class Simulation:
             raise MeltError("the checkpoint is of another scene than the run beside it: start the run afresh")
         for name, values in arrays.items():
             self.state.set(name, values)
-        vars(self.do.clock).update(meta["clock"])
+        vars(self.do.clock).update(copy.deepcopy(meta["clock"]))
         self.restart_timers()
         self.do.notes, self._notes_from = dict(meta["notes"]), meta["notes_from"]
 
@@ -220,7 +220,7 @@ def run(
         for finding in findings(scene, initial, sim.prepared):
             if finding.level == "warning" or finding.text in initial.notes:
                 say("warning", message=finding.advice)
-                sim.limit_told |= finding.text.startswith("time.n_sub =")
+                sim.told.add(finding.text.split()[0])
         if writer:
             _append(writer, sim, say)
             checkpoint.discard(checkpoint.beside(writer.path))  # of the run that it replaced
@@ -286,8 +286,8 @@ def _loop(sim, writer, say, total):
             step = sim.do.clock.step
             if sim.do.notes.get("inflow_stopped") == step:
                 say("warning", message=f"t = {sim.time:.4g} s: all slots are taken, the inflow stopped")
-            if sim.do.warning and not sim.limit_told:
-                sim.limit_told = True
+            if sim.do.warning and (kind := sim.do.warning.split()[0]) not in sim.told:
+                sim.told.add(kind)
                 say("warning", message=f"t = {sim.time:.4g} s: {sim.do.warning}")
             say("step", step=step, time=sim.time, n_sub=sim.do.notes.get("n_sub", 0))
             if writer and (step % t.output_steps == 0 or step == total):

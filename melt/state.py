@@ -12,6 +12,8 @@ def dtype_of(field, precision):
     """Return the dtype of a `melt.fields.Field` under a precision policy."""
     if field.kind == "int":
         return np.int32
+    if field.kind == "double":
+        return np.float64
     return (POSITION if field.kind == "position" else REAL)[precision]
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 
+from melt import tradeoff_boiling
 from melt.errors import MeltError
 from melt.forecast import forecast
 from melt.geometry.build import build
@@ -96,6 +97,8 @@ def sample(scene, steps, warm=2):
 
 
 def _curves(sim):
+    if sim.prepared.need.boiling:
+        return tradeoff_boiling.curves(sim)
     values = sim.series()
     phase, x, m = sim.read("phase"), sim.read("position")[:, 2].astype(float), sim.read("mass").astype(float)
     mobile, solid, dx = phase <= 1, phase == 1, sim.scene.spacing
@@ -119,10 +122,10 @@ def _curves(sim):
 
 
 def error_of(curves, truth):
-    """Return {name: root mean square distance of a curve from the reference's}; "density" is its own mean."""
+    """Return {name: root mean square distance of a curve from the reference's}; "density ..." is its own mean."""
     errors = {}
     for name, curve in curves.items():
-        if name == "density":
+        if name.startswith("density"):
             errors[name] = float(curve.mean())
             continue
         both = np.isfinite(curve) & np.isfinite(truth[name])
@@ -151,6 +154,8 @@ def pareto(points, error):
 def knobs_of(scene):
     """Return the knobs that make a difference in a scene."""
     knobs = [("default", "-", [])]
+    if scene.boiling:
+        return knobs + tradeoff_boiling.KNOBS
     if scene.solver.motion:
         knobs += MECHANICS
         knobs += SOLIDS if scene.solid else []
@@ -181,6 +186,8 @@ def run(name, out=None, steps=None, knobs=None, say=print):
     scene = load_scene(name)
     steps = steps or min(scene.time.steps, 100)
     reference = [o for o in REFERENCE if (scene.heat or not o.startswith("heat"))]
+    if scene.boiling:
+        reference = tradeoff_boiling.REFERENCE
     knobs = knobs or knobs_of(scene)
     say(f"{name}: {steps} outer steps of {scene.time.dt:g} s; reference run: {', '.join(reference)}")
     say(expected([load_scene(name, overrides) for overrides in (reference, *(k[2] for k in knobs))], steps))

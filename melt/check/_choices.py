@@ -1,7 +1,7 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _cloud, _pbf
+from melt.check import _boiling, _cloud, _pbf
 
 #: Parameter tuples with values that exercise every term.
 TUPLES = {
@@ -74,6 +74,12 @@ TUPLES = {
         P.Vessel,
         dict(lower_x=0.05, lower_y=-1e30, lower_z=0.02, upper_x=1.25, upper_y=1e30, upper_z=1e30),
     ),
+    "boiling": (P.Boiling, _boiling.BOILING),
+    "bubbles": (P.Bubbles, _boiling.BUBBLES),
+    "vapour": (P.Vapour, _boiling.VAPOUR_VALUES),
+    "condensate": (P.Condensate, _boiling.CONDENSATE),
+    "tank": (P.Tank, _boiling.TANK),
+    "sph": (P.Sph, _boiling.SPH),
     "domain": (
         P.Domain,
         dict(lower_x=-1.0, lower_y=-1.0, lower_z=-1.0, upper_x=1.5, upper_y=6.0, upper_z=20.0, delete=1),
@@ -93,6 +99,18 @@ SCALARS = {
     "reverse": 0,
     "iteration": 2,
     "height": 0.6,
+    "key": 3,
+    "target": 115.0,
+    "share": 0.3,
+    "mean_u": 0.3,
+    "mean_v": -0.2,
+    "mean_w": 0.1,
+    "mean_temperature": 60.0,
+    "step_low": 77,
+    "step_high": 0,
+    "first_id": 5000,
+    "served": 1,
+    "coarse": 2,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.
@@ -114,7 +132,10 @@ SWITCHES = {
         "wall_fixed": (0, 1),
     },
     "contact": {"connect": (6, 18, 26)},
-    "pbf": {"uniform": (0, 1), "minimum_error": (-1.0, 0.0)},
+    "pbf": {"uniform": (0, 1), "same_iterations": (0, 1), "minimum_error": (-1.0, 0.0)},
+    "boiling": {"corrected": (0, 1), "mass_model": (0, 1, 2), "boost": (0, 1, 2, 3, 4)},
+    "bubbles": {"literal_radius": (0, 1), "plain_mean": (0, 1), "upward": (0, 1), "normalised": (0, 1), "push_even": (0, 1)},
+    "vapour": {"adapt": (0, 1)},
     "change": {"own_liquid": (0, 1), "latent": (0, 1)},
     "domain": {"delete": (0, 1)},
     "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
@@ -127,8 +148,20 @@ EXTRA = {
     "neighbours_kdtree": [{"capacity": 20}],
     "heat_onesided": [{"reverse": 1}],
     "crumble": [{"smallest": 0}, {"smallest": 8}],
+    "list_slots": [{"key": 5}, {"key": 0}],
+    "order_by_id": [{"n": 1200}],  # more than one run
+    "spawn_bubbles": [{"n": 1200, "served": 7}],
+    "vapour_source": [{"n": 1200, "served": 9}],
+    "condense": [{"n": 1200, "served": 9}],
+    **{name: [{"bubbles": True}] for name in ("pbf_begin", "pbf_list", "pbf_lambda", "pbf_correction", "pbf_xsph", "iteration_key")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
 }
 
+#: Particles that the variants of a stage need at least: one that boils needs four free slots.
+LEAST = {"spawn_bubbles": 301}
+
 #: What stages need besides when there is no particle, or one.
-SMALL = {"emit_motion": {"count": 0, "slot": 0}, "emit_matter": {"count": 0, "slot": 0}}
+SMALL = {
+    **{name: {"served": 0} for name in ("spawn_bubbles", "vapour_source", "condense")},
+    **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter")},
+}

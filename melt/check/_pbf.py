@@ -25,6 +25,7 @@ def constants():
         spacing=SPACING,
         support=SUPPORT,
         uniform=0,
+        same_iterations=0,
         value_scale=315 / (64 * np.pi * S * SUPPORT**3),
         gradient_scale=45 / (np.pi * G * SUPPORT**4),
         table_start=START,
@@ -68,7 +69,7 @@ def fields(arrays, rng):
         mobility=np.where(liquid, 1 / np.where(mass > 0, mass, 1.0), 0.0),
         constraint=np.where(liquid, rng.normal(size=n) * 0.1, 0.0),
         multiplier=np.where(liquid, rng.normal(size=n) * 0.05 / D0, 0.0),
-        correction=rng.normal(size=(3, n)) * 0.02 * SPACING,
+        correction=rng.normal(size=(3, n)) * np.where(np.arange(n) % 5 == 0, 0.5, 0.02) * SPACING,  # some are cut
         vorticity=np.where(liquid, rng.normal(size=(3, n)) * 5.0, 0.0),
         effect_precision=np.where(liquid, rng.uniform(0.3, 1.0, n), 0.0),
         support_radius=radius,

@@ -97,8 +97,9 @@ def meaning(field, outputs):
     A list of particles means nothing behind its count. A neighbour row means nothing behind its count, and
     nothing at all if it overflowed: the host grows the lists and has them built again.
     """
-    if field == "active_index" and "active_count" in outputs:
-        return np.arange(outputs[field].shape[0]) < outputs["active_count"][0]
+    listed = field.removesuffix("index") + "count"  # active_index and active_count, index and count
+    if field.endswith("index") and field != "neighbour_index" and listed in outputs:
+        return np.arange(outputs[field].shape[0]) < outputs[listed][0]
     if field != "neighbour_index" or "neighbour_count" not in outputs:
         return None
     count, capacity = outputs["neighbour_count"], outputs[field].shape[1]

@@ -10,8 +10,8 @@ from functools import lru_cache
 import numpy as np
 
 from melt import params as P
-from melt.check import _cloud, _pbf, _sites, _thermal
-from melt.check._choices import EXTRA, SCALARS, SMALL, SWITCHES, TUPLES
+from melt.check import _boiling, _cloud, _pbf, _sites, _thermal
+from melt.check._choices import EXTRA, LEAST, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
 from melt.stages import STAGES
@@ -61,6 +61,9 @@ def scales(n):
         rate=speed / _cloud.SPACING,
         rate2=(speed / _cloud.SPACING) ** 2,
         acceleration=pressure / 1000 / _cloud.SPACING,
+        time=1.0,
+        momentum=mass * speed,
+        bubble_push=mass * speed * volume,
         specific_heat=4187.0,
         latent_heat=3e4,
     )
@@ -74,6 +77,7 @@ def scene(n, seed, ordered, width, connect):
     _sites.sites(n, arrays, rng, width, connect)
     arrays.update(special_fields(arrays, rng))
     arrays.update(_pbf.fields(arrays, rng))
+    arrays.update(_boiling.fields(arrays, rng))
     for array in arrays.values():
         array.flags.writeable = False
     return arrays, grid
@@ -119,6 +123,8 @@ def _sizes(arrays, grid):
         reduction=64,
         table=arrays["kernel_scale"].shape[1],
         bin=len(arrays["height_bins"]),
+        column=grid["nx"] * grid["ny"],
+        voxel=_boiling.VOXELS,
     )
 
 
@@ -142,6 +148,8 @@ def _array(stage, name, arrays, grid, choice, all_scales, rng):
         if choice.get("kind") == "int":
             return rng.integers(-9, 9, arrays["phase"].shape), "int"
         return (arrays["velocity"] if stage.name.endswith("vector") else arrays["mass"]) + 0.0, "real"
+    if name in _boiling.NAMED:
+        return arrays[name], "int"
     field = FIELDS[name]
     if name in ("neighbour_count", "neighbour_index") and "capacity" in choice:
         rows = _cloud.neighbour_rows(arrays["position"].T, arrays["phase"])
@@ -154,8 +162,10 @@ def _array(stage, name, arrays, grid, choice, all_scales, rng):
     return _generic(stage, field, _sizes(arrays, grid), all_scales, rng), field
 
 
-def _adapted(stage_name, arrays, choice):
+def _adapted(stage_name, arrays, grid, choice):
     """Return the scene as it is when the stage runs, and as its variant asks."""
+    if choice.get("bubbles", STAGES[stage_name].file in _boiling.FILES):
+        arrays = _boiling.with_bubbles(arrays, grid)
     if stage_name == "fill_regions":
         arrays = _sites.after_melting(arrays)
     if stage_name == "mark_frozen":
@@ -183,7 +193,7 @@ def make(stage_name, precision, n=301, seed=0, choice=None):
     n = choice.get("n", n)
     width, connect = choice.get("width", 2), choice.get("connect", 26)
     arrays, grid = scene(n, seed, stage_name not in _UNORDERED, width, connect)
-    arrays = _adapted(stage_name, arrays, choice)
+    arrays = _adapted(stage_name, arrays, grid, choice)
     rng = np.random.default_rng(seed + 1)
     all_scales = scales(n)
     cast = {}
@@ -219,6 +229,7 @@ def choices(stage_name):
     for name in stage.params:
         for switch, values in SWITCHES.get(name, {}).items():
             base = TUPLES[name][1][switch]
-            found += [{switch: v} for v in values if v != base]
+            size = {"n": LEAST[stage_name]} if stage_name in LEAST else {}
+            found += [{switch: v, **size} for v in values if v != base]
     small = SMALL.get(stage_name, {})
     return found + EXTRA.get(stage_name, []) + [{"n": 0, **small}, {"n": 1, **small}]

@@ -40,6 +40,9 @@ def render(
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of a picture.")] = "1280x720",
     walls: Annotated[bool, typer.Option("--walls", help="Draw wall particles that the file has.")] = False,
     fps: Annotated[int, typer.Option("--fps", min=1, max=240, help="Frames per second of a video.")] = 25,
+    frames: Annotated[
+        str | None, typer.Option("--frames", metavar="A:B:STEP", help="Frames of a video, as a Python slice: 10:40, ::2.")
+    ] = None,
     quiet: Quiet = False,
 ):
     """Draw a frame as a picture, all frames as a video, or export the surfaces of a frame."""
@@ -50,11 +53,31 @@ def render(
     if output.suffix.lower() in (".png", ".mp4"):
         options = dict(field=field, surface=surface, view=view, size=_pixels(size), walls=walls)
     if output.suffix.lower() == ".mp4":
-        draw(path, output, fps=fps, progress=None if quiet else _bar(), **options)
+        draw(path, output, fps=fps, frames=_slice(frames), progress=None if quiet else _bar(), **options)
     else:
         draw(path, output, frame, **options)
     if not quiet:
-        typer.echo(f"{output} written", err=True)
+        left_out = output.suffix.lower() in (".ply", ".obj", ".vtp", ".pov") and _has_gas(path)
+        typer.echo(f"{output} written" + (", without its bubbles and vapour: pictures and videos have them" if left_out else ""), err=True)
+
+
+def _has_gas(path):
+    from melt.output.run_reader import open_run
+
+    run = open_run(path)
+    try:
+        return "bubble_radius" in run.fields
+    finally:
+        run.close()
+
+
+def _slice(text):
+    """Return the slice that a text such as 10:40:2 asks for, None for no text."""
+    if text is None:
+        return None
+    if not re.fullmatch(r"-?\d*(:-?\d*){1,2}", text) or text.endswith(":0"):
+        raise MeltError(f"--frames {text}: write FIRST:LAST:STEP, each may be left out, for instance 10:40 or ::2")
+    return slice(*(int(n) if n else None for n in text.split(":")))
 
 
 def _pixels(text):
@@ -67,11 +90,21 @@ def _pixels(text):
 
 
 def _bar():
-    """Return a progress callback ``(done, total)`` that shows on a terminal only."""
+    """Return a progress callback ``(done, total)``: a bar on a terminal, else a line every ten seconds."""
     import sys
+    import time
 
     if not sys.stderr.isatty():
-        return None
+        began = told = time.monotonic()
+
+        def line(done, total):
+            nonlocal told
+            now = time.monotonic()
+            if now - told >= 10 and done < total:
+                told = now
+                typer.echo(f"frame {done} of {total}, about {(now - began) / done * (total - done):.0f} s left", err=True)
+
+        return line
     from rich.console import Console
     from rich.progress import Progress
 

@@ -151,7 +151,8 @@ class RunProgress:
 def _counts(simulation):
     """Return how many particles of each kind there are, in words."""
     number = np.bincount(simulation.read("phase"), minlength=len(PHASE_NAMES))
-    names = [name if name != "inactive" else "still to flow in" for name in PHASE_NAMES]
+    waiting = "slots for bubbles and vapour" if simulation.scene.boiling is not None else "still to flow in"
+    names = [name if name != "inactive" else waiting for name in PHASE_NAMES]
     return " + ".join(f"{n:,} {name}" for n, name in zip(number, names) if n) or "0"
 
 

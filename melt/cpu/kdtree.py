@@ -7,7 +7,7 @@ Measured at 59,319 particles, h/dx = 2.5, float32, one thread: build 12 ms (cell
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_serial, cpu_stage, prange
-from melt.physics.phases import INACTIVE, LIQUID, SOLID
+from melt.physics.phases import INACTIVE, WALL
 from melt.physics.search import left_size, precedes, squared_distance
 
 #: Levels built one after another, their subtrees in parallel; below, each of the 64 subtrees on its own.
@@ -171,7 +171,7 @@ def neighbours_kdtree(position, phase, tree, smoothing, neighbour_count, neighbo
         piece = (chunk * 37) % 64
         for i in range(n * piece // 64, n * (piece + 1) // 64):
             count = 0
-            if phase[i] == LIQUID or phase[i] == SOLID:
+            if phase[i] != WALL and phase[i] != INACTIVE:
                 row = neighbour_index[i]
                 count = _query(position, phase, tree, smoothing, i, pending, depth, row)
                 _sort_row(row, min(count, row.shape[0]), copy)

@@ -14,7 +14,7 @@ import numpy as np
 
 from melt._compile import cpu_helper, cpu_serial, cpu_stage, prange
 from melt.cpu._compress import AVAILABLE, LANES, append_near
-from melt.physics.phases import LIQUID, SOLID
+from melt.physics.phases import INACTIVE, WALL
 from melt.physics.search import squared_distance
 
 
@@ -47,7 +47,7 @@ _append = _append_packed if AVAILABLE else _append_portable
 @cpu_helper
 def _any_mobile(phase, first, stop):
     for i in range(first, stop):
-        if phase[i] == LIQUID or phase[i] == SOLID:
+        if phase[i] != WALL and phase[i] != INACTIVE:
             return True
     return False
 
@@ -122,7 +122,7 @@ def _search(
             x, y, z, number, found, hit = _buffers(size, position)
         padded, shift = _copy_rows(position, row, rows, first, x, y, z, number)
         for i in range(first, stop):
-            if phase[i] != LIQUID and phase[i] != SOLID:
+            if phase[i] == WALL or phase[i] == INACTIVE:
                 neighbour_count[i] = 0
                 continue
             x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]

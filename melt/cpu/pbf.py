@@ -52,7 +52,7 @@ def pbf_correction(
         i = np.uint64(active_index[a])
         x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
         lambda_i, V_i = multiplier[i], volume[i]
-        whole = True if pbf.uniform == 1 else iterations[i] > iteration
+        whole = True if pbf.same_iterations == 1 else iterations[i] > iteration
         dx = dy = dz = wide(0)
         for k in range(np.uint64(neighbour_count[i])):
             j = np.uint64(neighbour_index[i, k])

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_stage, prange
+from melt.physics.pbf import cut
 from melt.physics.phases import LIQUID
 
 
@@ -35,14 +36,16 @@ def pbf_predict(phase, fluid, pbf, vessel, dt, velocity, position, position_pred
 
 
 @cpu_stage
-def pbf_move(correction, active_index, active_count, vessel, position):
+def pbf_move(correction, active_index, active_count, pbf, vessel, position):
     """See `melt.reference.pbf_motion.pbf_move`."""
+    most = type(pbf.spacing)(0.5) * pbf.spacing
     wide = position.dtype.type
     for a in prange(active_count[0]):
         i = np.uint64(active_index[a])
-        x = position[0, i] + wide(correction[0, i])
-        y = position[1, i] + wide(correction[1, i])
-        z = position[2, i] + wide(correction[2, i])
+        share = cut(correction[0, i], correction[1, i], correction[2, i], most)
+        x = position[0, i] + wide(share * correction[0, i])
+        y = position[1, i] + wide(share * correction[1, i])
+        z = position[2, i] + wide(share * correction[2, i])
         position[0, i] = min(max(x, wide(vessel.lower_x)), wide(vessel.upper_x))
         position[1, i] = min(max(y, wide(vessel.lower_y)), wide(vessel.upper_y))
         position[2, i] = min(max(z, wide(vessel.lower_z)), wide(vessel.upper_z))

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from melt._compile import cpu_stage, prange
-from melt.physics.pbf import pair_scales, poly6, spiky_over_r, support_of
+from melt.cpu._xsph import xsph_weight
+from melt.physics.pbf import pair_scales, spiky_over_r, support_of
 from melt.physics.phases import LIQUID
 
 
@@ -92,8 +93,7 @@ def pbf_xsph(
             y = real(y_i - position[1, j])
             z = real(z_i - position[2, j])
             inverse = real(1) / support_of(i, j, support_radius, pbf)
-            W1 = poly6(x * x + y * y + z * z, inverse, real(315 / (64 * math.pi)) * inverse * inverse * inverse)
-            f = mass[j] / (m_i + mass[j]) * (V_i + volume[j]) * W1
+            f = xsph_weight(x * x + y * y + z * z, inverse, m_i, mass[j], V_i, volume[j])
             f = f if phase[j] == LIQUID else real(0)
             du += f * (velocity[0, j] - u_i)
             dv += f * (velocity[1, j] - v_i)

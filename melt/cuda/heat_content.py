@@ -3,7 +3,7 @@
 import math
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.heat import enthalpy
+from melt.physics.heat import add_compensated, enthalpy
 from melt.physics.phases import LIQUID, SOLID
 
 
@@ -29,11 +29,7 @@ def _heat_content(
                 temperature[i], latent_energy[i], latent_point[i], heat_capacity[i], heat_capacity_molten[i],
                 latent_capacity[i],
             )
-        # Neumaier's sum: what rounding leaves out is kept beside it
-        e = wide(e)
-        after = total + e
-        rest += (total - after) + e if abs(total) >= abs(e) else (e - after) + total
-        total = after
+        total, rest = add_compensated(total, rest, wide(e))
     heat_content[0, piece] = total
     heat_content[1, piece] = rest
 

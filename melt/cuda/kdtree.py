@@ -6,7 +6,7 @@ result does not depend on the order of threads. n particles take about log2(n)^2
 """
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.phases import INACTIVE, LIQUID, SOLID
+from melt.physics.phases import INACTIVE, WALL
 from melt.physics.search import precedes, segment_of, squared_distance
 
 RUN = 16  # elements that the first pass sorts by counting
@@ -97,7 +97,7 @@ def _neighbours_kdtree(position, phase, tree, smoothing, neighbour_count, neighb
     if i >= phase.shape[0]:
         return
     neighbour_count[i] = 0
-    if phase[i] != LIQUID and phase[i] != SOLID:
+    if phase[i] == WALL or phase[i] == INACTIVE:
         return
     real = type(smoothing.support)
     h = smoothing.support

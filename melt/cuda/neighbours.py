@@ -1,7 +1,7 @@
 """CUDA twin of `melt.reference.neighbours`."""
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.phases import LIQUID, SOLID
+from melt.physics.phases import INACTIVE, WALL
 from melt.physics.search import axis_cell, squared_distance
 
 
@@ -13,7 +13,7 @@ def _neighbours_grid(
     if i >= phase.shape[0]:
         return
     neighbour_count[i] = 0
-    if phase[i] != LIQUID and phase[i] != SOLID:
+    if phase[i] == WALL or phase[i] == INACTIVE:
         return
     real = type(smoothing.support)
     h2 = smoothing.support * smoothing.support

@@ -64,7 +64,7 @@ def _pbf_correction(
     i = active_index[a]
     x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
     lambda_i, V_i = multiplier[i], volume[i]
-    whole = True if pbf.uniform == 1 else iterations[i] > iteration
+    whole = True if pbf.same_iterations == 1 else iterations[i] > iteration
     dx = dy = dz = wide(0)
     for k in range(neighbour_count[i]):
         j = neighbour_index[i, k]

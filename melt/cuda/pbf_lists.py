@@ -40,7 +40,7 @@ def _pbf_list(position, support_radius, pbf, neighbour_count, neighbour_index):
         z = real(z_i - position[2, j])
         R = support_of(i, j, support_radius, pbf)
         neighbour_index[i, kept] = np.int32(j)  # never ahead of k: appends without a branch
-        kept += np.uint64(squared_distance(x, y, z) < R * R)
+        kept += np.uint64(squared_distance(x, y, z) < R * R or R == real(0))
     neighbour_count[i] = np.int32(kept)
 
 

@@ -33,8 +33,22 @@ def height_histogram(position, phase, pbf, height_bins):
 
 
 @cuda_kernel
+def _momentum_size(phase, mass, velocity, momentum_size):
+    i = cuda.grid(1)
+    if i < phase.shape[0]:
+        u, v, w = velocity[0, i], velocity[1, i], velocity[2, i]
+        real = mass.dtype.type
+        momentum_size[i] = mass[i] * math.sqrt(u * u + v * v + w * w) if phase[i] == LIQUID else real(0)
+
+
+def momentum_size(phase, mass, velocity, momentum_size):
+    """See `melt.reference.precision.momentum_size`."""
+    _momentum_size.launch(phase.shape[0], phase, mass, velocity, momentum_size)
+
+
+@cuda_kernel
 def _effect_precision(
-    position, velocity, phase, mass, neighbour_count, neighbour_index, pbf, height, dt,
+    position, phase, momentum_size, neighbour_count, neighbour_index, pbf, height, dt,
     effect_precision, support_radius, iterations,
 ):
     i = cuda.grid(1)
@@ -46,16 +60,12 @@ def _effect_precision(
         effect_precision[i] = support_radius[i] = real(0)
         iterations[i] = 0
         return
-    u, v, w = velocity[0, i], velocity[1, i], velocity[2, i]
-    own = mass[i] * math.sqrt(u * u + v * v + w * w)
-    most2 = own * own
+    own = momentum_size[i]
+    most = own
     for k in range(neighbour_count[i]):
-        j = neighbour_index[i, k]
-        u, v, w = velocity[0, j], velocity[1, j], velocity[2, j]
-        E2 = mass[j] * mass[j] * (u * u + v * v + w * w)
-        most2 = max(most2, E2 if phase[j] == LIQUID else real(0))
+        most = max(most, momentum_size[neighbour_index[i, k]])
     y = real(position[2, i] - wide(pbf.floor))
-    target = target_precision(y, height, own, math.sqrt(most2), pbf)
+    target = target_precision(y, height, own, most, pbf)
     F = effect_precision[i]
     F += (target - F) * min(real(1), dt / pbf.precision_time)
     F = min(max(F, pbf.minimum_precision), real(1))
@@ -65,12 +75,12 @@ def _effect_precision(
 
 
 def effect_precision(
-    position, velocity, phase, mass, neighbour_count, neighbour_index, pbf, height, dt,
+    position, phase, momentum_size, neighbour_count, neighbour_index, pbf, height, dt,
     effect_precision, support_radius, iterations,
 ):
     """See `melt.reference.precision.effect_precision`."""
     _effect_precision.launch(
-        phase.shape[0], position, velocity, phase, mass, neighbour_count, neighbour_index, pbf,
+        phase.shape[0], position, phase, momentum_size, neighbour_count, neighbour_index, pbf,
         height, dt, effect_precision, support_radius, iterations,
     )
 
@@ -81,7 +91,7 @@ def _iteration_key(phase, iterations, neighbour_count, neighbour_index, pbf, ite
     if i >= phase.shape[0]:
         return
     key = np.int32(0)
-    if phase[i] == LIQUID and pbf.uniform == 1:
+    if phase[i] == LIQUID and pbf.same_iterations == 1:
         key = pbf.iterations
     elif phase[i] == LIQUID:
         key = iterations[i]

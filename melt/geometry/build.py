@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from melt.boiling import slots_of
 from melt.errors import GeometryError
 from melt.geometry.materials import heater_table, material_table
 from melt.geometry.nozzles import nozzle_table
@@ -70,6 +71,9 @@ def build(scene):
     _free(scene, nozzles, inflow["inflow_position"], np.hstack([walls, *solids]))
     spare = sum(n.layers * n.count for n in nozzles)
     affordable(spare, "inflow, layers times particles of a layer")
+    bubbles, vapour = slots_of(scene, sum(cells.shape[1] for cells in fills))
+    affordable(bubbles + vapour, "boiling, slots for bubbles and vapour")
+    spare += bubbles + vapour
     arrays = _particles(scene, fills, solids, walls, spare, rows, table)
     arrays.update(_sites(scene, solids, arrays, notes))
     arrays.update(table)
@@ -185,7 +189,7 @@ def _particles(scene, fills, solids, walls, spare, rows, table):
         "mass": np.where(used, table["material_density"][material] * dx**3, 0.0),
         "rest_volume": np.where(used, dx**3, 0.0),
     }
-    if heat is not None:
+    if heat is not None or scene.boiling is not None:
         arrays["temperature"] = np.repeat(np.array([g[4] for g in groups], float), size)
     return arrays
 

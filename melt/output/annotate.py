@@ -35,7 +35,7 @@ def ticks(low, high, count=5):
     ]
 
 
-def edges(draw, camera, low, high):
+def edges(draw, camera, low, high, ink=(176, 182, 190)):
     """Draw the far edges of the box low .. high, in the pixels of ``camera``."""
     corner = np.array([[(low, high)[b][k] for k, b in enumerate(bits)] for bits in np.ndindex(2, 2, 2)])
     view = camera.view(corner)
@@ -48,7 +48,7 @@ def edges(draw, camera, low, high):
             b = a ^ (4 >> k)
             if a < b and nearest not in (a, b):
                 draw.line(
-                    [tuple(pixel[a]), tuple(pixel[b])], fill=(176, 182, 190), width=camera.height // 700 + 1
+                    [tuple(pixel[a]), tuple(pixel[b])], fill=ink, width=camera.height // 700 + 1
                 )
 
 

@@ -11,6 +11,7 @@ from PIL import Image, ImageDraw
 
 from melt.output import camera as cameras
 from melt.output import colours, mesh_files, shade, surface_mesh
+from melt.output import gas as gases
 from melt.output.annotate import annotate, edges
 from melt.output.errors import OutputError, output_error
 from melt.output.run_reader import Run, open_run
@@ -63,16 +64,19 @@ class Painter:
 
     def _build_stage(self):
         low, high = self.bounds
-        stage = Stage(self.camera, low, high, self.spacing)
+        gassy = "bubble_radius" in self.run.fields
+        stage = Stage(self.camera, low, high, self.spacing, *([shade.DUSK] if gassy else []))
+        ink = [(128, 140, 154)] if gassy else []
         if self.boxed:
             canvas = Image.fromarray((stage.backdrop * 255).astype(np.uint8))
-            edges(ImageDraw.Draw(canvas), stage.camera, *self.box)
+            edges(ImageDraw.Draw(canvas), stage.camera, *self.box, *ink)
             stage.backdrop = np.asarray(canvas).astype(np.float32) / 255
         return stage
 
     def draw(self, k):
         """Return the picture of frame ``k``, (height, width, 3) uint8."""
-        names = {"position", "phase", "material", "velocity", self.colouring.field} & set(self.run.fields)
+        names = {"position", "phase", "material", "velocity", "bubble_radius", self.colouring.field}
+        names &= set(self.run.fields)
         frame = self.run.frame(k, names)
         phase = self._phase(frame)
         rgb = self.colouring.rgb(self.values(frame))
@@ -81,13 +85,16 @@ class Painter:
         liquid, gas = seen & (phase == LIQUID), seen & ((phase == BUBBLE) | (phase == VAPOUR))
         x, dx = frame["position"], self.spacing
         solid_shapes = Spheres(x[opaque], np.full(opaque.sum(), 0.56 * dx), rgb[opaque])
-        drops = liquid | gas
+        bubbles = gases.of(frame, phase, seen, dx) if "bubble_radius" in names else None
+        drops = liquid if bubbles else liquid | gas
         radius = np.where(gas[drops], 0.5, 0.42) * dx
         liquid_shapes = Spheres(x[drops], radius, np.where(gas[drops][:, None], np.float32(0.96), rgb[drops]))
         camera = self.stage.camera
         maps = [(self.stage.shadow_map(solid_shapes), 0.75), (self.stage.shadow_map(liquid_shapes), 0.35)]
         if self.surface:
-            meshes = mesh_files.surfaces(frame, self.values(frame).astype(np.float64), dx)
+            values = self.values(frame).astype(np.float64)
+            whole = gases.filled(frame, phase, values, bubbles.bubbles, dx) if bubbles else (frame, values)
+            meshes = mesh_files.surfaces(*whole, dx)
             colour = {
                 kind: self.colouring.rgb(mesh.temperature).reshape(-1, 3) for kind, mesh in meshes.items()
             }
@@ -98,7 +105,8 @@ class Painter:
             solid_layer = shade.sphere_layer(solid_shapes, camera)
             behind = np.minimum(self.stage.floor_depth, solid_layer.depth)
             liquid_layer = shade.sphere_layer(liquid_shapes, camera, behind)
-        picture = self.stage.draw(solid_layer, liquid_layer, maps, "mesh" if self.surface else "spheres")
+        drawn = (solid_layer, liquid_layer, maps, "mesh" if self.surface else "spheres")
+        picture = gases.draw(self.stage, *drawn, bubbles) if bubbles else self.stage.draw(*drawn)
         number = np.bincount(phase[seen], minlength=6)
         counts = ", ".join(f"{number[p]:,} {PHASE_NAMES[p]}" for p in (0, 1, 3, 4) if number[p])
         return annotate(shade.reduce(picture), self.run.times[k], self.colouring, counts)
@@ -111,12 +119,13 @@ class Painter:
         return self.run.frame(k, ["position"])["position"]
 
     def _bounds(self, sample=8):
-        """Return the box around the moving particles of the run, far splashes left out."""
+        """Return the box around the moving particles of the run, far splashes and rising vapour left out."""
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         names = [n for n in ("position", "phase") if n in self.run.fields]
         for k in np.unique(np.linspace(0, len(self.run) - 1, min(sample, len(self.run))).astype(int)):
             frame = self.run.frame(k, names)
-            keep = np.isfinite(frame["position"]).all(axis=1) & ((self._phase(frame) != WALL) | self.walls)
+            phase = self._phase(frame)
+            keep = np.isfinite(frame["position"]).all(axis=1) & ((phase != WALL) | self.walls) & (phase != VAPOUR)
             x = frame["position"][keep]
             if len(x):
                 most = np.quantile(x, (0.002, 0.998), axis=0)
@@ -164,7 +173,7 @@ def render_video(
     frames=None,
     progress=None,
 ):
-    """Write frames (all unless given) as H.264; Ctrl-C or a failure leaves no file.
+    """Write frames (numbers or a slice; all unless given) as H.264; Ctrl-C or a failure leaves no file.
 
     ``progress(done, total)`` is called after each frame.
     """
@@ -172,7 +181,9 @@ def render_video(
 
     size = tuple(v - v % 2 for v in size)  # yuv420p halves both
     painter = Painter(run, field, surface, view, size, walls)
-    chosen = range(len(run)) if frames is None else list(frames)
+    chosen = range(len(run))[frames] if isinstance(frames, slice) else range(len(run)) if frames is None else list(frames)
+    if not len(chosen):
+        raise OutputError(f"no frame to draw: {run.path} has frames 0 to {len(run) - 1}.")
     with whole(out_mp4) as temporary:
         writer = imageio_ffmpeg.write_frames(
             str(temporary),

@@ -19,6 +19,7 @@ import stat
 
 import numpy as np
 
+from melt.diagnostics import SERIES
 from melt.fields import FIELDS
 from melt.output import hdf5, vtk_layout
 from melt.output.errors import OutputError, RunFileError, output_error
@@ -37,15 +38,16 @@ _SERIES_UNITS = (
     ("volume", "m^3"),
 )
 
-
 #: Heats: in K m^3 where a heat capacity is a volume (heat.law = paper).
 _HEATS = ("thermal_energy", "latent_energy", "energy_in")
 
 
 def series_unit(name, paper=False):
-    """Return the unit of a series: ms for ``ms/...``, else by the last known word in its name."""
+    """Return the unit of a series: of the ledgers' table, ms for ``ms/...``, else by the last known word in its name."""
     if paper and name in _HEATS:
         return "K m^3"
+    if name in SERIES:
+        return SERIES[name][0]
     if name.startswith("ms/"):
         return "ms"
     words = name.replace("/", "_").split("_")

@@ -18,6 +18,10 @@ LIGHT = np.array([-0.50, -0.62, 1.15]) / np.linalg.norm([-0.50, -0.62, 1.15])  #
 SKY, HORIZON, FLOOR = (
     np.array(c, np.float32) for c in ((0.82, 0.88, 0.94), (0.97, 0.975, 0.98), (0.885, 0.89, 0.90))
 )
+#: Sky, horizon and floor where white vapour is to be seen before them.
+DUSK = tuple(np.array(c, np.float32) for c in ((0.58, 0.66, 0.75), (0.76, 0.81, 0.86), (0.79, 0.81, 0.83)))
+#: What a liquid's surface lets through: at least, and more of thin liquid, over how many spacings.
+CLEAR, CLEARER = (0.18, 0.55, 10), (0.30, 0.55, 20)
 _MAP = 1024  # pixels of the shadow map
 
 
@@ -39,7 +43,8 @@ class Layer(NamedTuple):
     inside: np.ndarray
 
 
-def _numbers(camera):
+def numbers(camera):
+    """Return focal length and centre of a camera as the drawing functions take them."""
     return np.float32(camera.focal), np.float32(camera.centre[0]), np.float32(camera.centre[1])
 
 
@@ -49,10 +54,10 @@ def sphere_layer(shapes, camera, behind=None):
     depth, index = np.full(size, np.inf, np.float32), np.full(size, -1, np.int32)
     centre = camera.view(shapes.centre).astype(np.float32)
     radius = shapes.radius.astype(np.float32)
-    splat.spheres(centre, radius, *_numbers(camera), depth, index)
+    splat.spheres(centre, radius, *numbers(camera), depth, index)
     inside = np.zeros(size, np.float32)
     if behind is not None:
-        splat.thickness(centre, radius, *_numbers(camera), behind, inside)
+        splat.thickness(centre, radius, *numbers(camera), behind, inside)
     hit = index >= 0
     normal, rgb = np.zeros((*size, 3), np.float32), np.zeros((*size, 3), np.float32)
     i = index[hit]
@@ -91,7 +96,7 @@ def _moved(d, rows, columns):
 class Stage:
     """The ground and the light of one camera: everything that does not change from frame to frame."""
 
-    def __init__(self, camera, low, high, spacing):
+    def __init__(self, camera, low, high, spacing, colours=(SKY, HORIZON, FLOOR)):
         s = OVERSAMPLE
         self.camera = camera._replace(
             focal=camera.focal * s, width=camera.width * s, height=camera.height * s, shift=camera.shift * s
@@ -109,7 +114,8 @@ class Stage:
         away = np.hypot(point[..., 0] - middle[0], point[..., 1] - middle[1]) / self.size
         fade = np.clip(1.15 - away / 2.2, 0, 1)[..., None] ** 1.5 * np.isfinite(self.floor_depth)[..., None]
         up = np.clip(rays[..., 2:] / np.linalg.norm(rays, axis=2, keepdims=True) * 2.5, 0, 1)
-        self.backdrop = (fade * FLOOR + (1 - fade) * ((1 - up) * HORIZON + up * SKY)).astype(np.float32)
+        sky, horizon, floor = colours
+        self.backdrop = (fade * floor + (1 - fade) * ((1 - up) * horizon + up * sky)).astype(np.float32)
         self.fade = fade[..., 0].astype(np.float32)
         axes = look(LIGHT)
         far = 40 * self.size
@@ -123,7 +129,7 @@ class Stage:
         depth, index = np.full((_MAP, _MAP), np.inf, np.float32), np.zeros((_MAP, _MAP), np.int32)
         if len(shapes.centre):
             centre = self.lamp.view(shapes.centre).astype(np.float32)
-            splat.spheres(centre, shapes.radius.astype(np.float32), *_numbers(self.lamp), depth, index)
+            splat.spheres(centre, shapes.radius.astype(np.float32), *numbers(self.lamp), depth, index)
         return depth
 
     def lit(self, depth, maps):
@@ -173,6 +179,11 @@ class Stage:
 
     def draw(self, solid, liquid, maps, liquid_style="spheres"):
         """Return the picture (h, w, 3) in 0 .. 1, at oversampled size."""
+        picture, depth, light = self.ground(solid, maps)
+        return self.add_liquid(picture, depth, liquid, light, liquid_style)
+
+    def ground(self, solid, maps):
+        """Return the picture of ground and solids, their depth, and the share of light there."""
         depth = np.minimum(self.floor_depth, solid.depth)
         hit = solid.depth < self.floor_depth
         light = self.lit(depth, maps)
@@ -186,33 +197,40 @@ class Stage:
             picture[hit] = solid.rgb[hit] * (0.34 + 0.26 * sky + 0.62 * diffuse)[:, None] * edge[:, None]
             picture[hit] += 0.35 * shine[:, None]
         picture *= self.hollows(depth)[..., None]
-        return self.add_liquid(picture, depth, liquid, light, liquid_style)
+        return picture, depth, light
 
-    def add_liquid(self, picture, behind, layer, light, style):
-        """Return the picture with liquid in front of it."""
+    def add_liquid(self, picture, behind, layer, light, style, length=None, bubbly=None):
+        """Return the picture with liquid in front of it.
+
+        With gas in the run: ``length`` (h, w) is that of the ray before the first bubble [m], which ``bubbly``
+        (h, w) says is there; the liquid is clearer then.
+        """
         hit = layer.depth < behind
         if not hit.any():
             return picture
         n, rgb = layer.normal[hit], layer.rgb[hit]
         rows, columns = np.nonzero(hit)
         inside = layer.inside[hit]
+        row, column, gassy = rows, columns, length is not None
         if style == "mesh":  # refraction: what is behind appears shifted along the normal
             shift = np.clip(inside / self.size, 0, 0.15)[:, None] * n[:, :2] * 0.35 * self.camera.focal / 3
-            r = np.clip(rows - shift[:, 1], 0, picture.shape[0] - 1).astype(int)
-            c = np.clip(columns - shift[:, 0], 0, picture.shape[1] - 1).astype(int)
-            back = picture[r, c]
-        else:
-            back = picture[hit]
+            row = np.clip(rows - shift[:, 1], 0, picture.shape[0] - 1).astype(int)
+            column = np.clip(columns - shift[:, 0], 0, picture.shape[1] - 1).astype(int)
+        back = picture[row, column]
+        inside = length[row, column] if gassy else inside
         facing = np.clip(-n[:, 2], 0, 1)
         diffuse = np.clip(n @ self.light, 0, 1)
         high = np.clip(n @ self.half, 0, 1)[:, None]
         if style == "mesh":
-            clear = 0.18 + 0.55 * np.exp(-inside / (10 * self.spacing))[:, None]
+            least, most, reach = CLEARER if gassy else CLEAR
+            clear = least + most * np.exp(-inside / (reach * self.spacing))[:, None]
             body = rgb * (0.66 + 0.40 * diffuse)[:, None]
             fresnel = (0.03 + 0.55 * (1 - facing) ** 4)[:, None]
             shine = 0.55 * high**120
         else:
             clear = 0.06 + 0.55 * np.exp(-inside / (6 * self.spacing))[:, None]
+            if gassy:
+                clear = np.where(bubbly[hit][:, None], 0.30 + 0.50 * np.exp(-inside / (6 * self.spacing))[:, None], clear)
             body = rgb * (0.72 + 0.36 * diffuse)[:, None] * (0.84 + 0.16 * facing)[:, None]
             fresnel = (0.10 * (1 - facing) ** 3)[:, None]
             shine = 0.18 * high**14

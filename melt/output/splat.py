@@ -109,3 +109,81 @@ def triangles(corner, value, behind, depth, total, out):
                             out[row, column, k] = (
                                 a * w0 * value[i, 0, k] + b * w1 * value[i, 1, k] + c * w2 * value[i, 2, k]
                             ) * z
+
+
+@cpu_stage
+def bubbles(centre, radius, focal, centre_x, centre_y, near, far, tint, light, half, up, dim, last, picture):
+    """Blend gas bubbles into a picture, in their order (back to front): bright above, dark below, clear in the middle.
+
+    A ray that meets the wall of a bubble in water at more than the critical angle (sine 0.75) is thrown back whole:
+    the outer half of the disc mirrors the surroundings, sky above and liquid below.
+
+    centre (n, 3), radius (n,) as `spheres`; drawn where near <= depth < far (height, width). tint (height, width, 3):
+    colour of the liquid; light, half, up (3,): directions in the camera frame; dim [1/m]: what liquid takes away.
+    last (height, width): depth of what was drawn last, 0 without liquid; picture (height, width, 3). Both are read
+    and written.
+    """
+    height, width = near.shape
+    one, two = np.float32(1), np.float32(2)
+    for band in prange(BANDS):
+        first, end = band * height // BANDS, (band + 1) * height // BANDS
+        for i in range(centre.shape[0]):
+            z = centre[i, 2]
+            if z <= radius[i]:
+                continue
+            x, y = centre[i, 0] / z * focal + centre_x, centre[i, 1] / z * focal + centre_y
+            size = max(radius[i] / z * focal, np.float32(0.75))
+            for row in range(max(first, int(math.floor(y - size))), min(end, int(math.ceil(y + size)) + 1)):
+                v = (row + np.float32(0.5) - y) / size
+                for column in range(max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)):
+                    u = (column + np.float32(0.5) - x) / size
+                    left = one - u * u - v * v
+                    if left <= 0:
+                        continue
+                    f = math.sqrt(left)
+                    front = z - radius[i] * f
+                    if front < near[row, column] or front >= far[row, column]:
+                        continue
+                    path = max(last[row, column] - (z + radius[i] * f), np.float32(0)) * dim
+                    kept = np.float32(0.3) + np.float32(0.7) * math.exp(-path)
+                    rim = min(max((math.sqrt(one - left) - np.float32(0.5)) * np.float32(2.2), np.float32(0)), one)
+                    mirror = np.float32(0.06) + np.float32(0.86) * rim * rim * (np.float32(3) - two * rim)
+                    # the ray (0, 0, 1) thrown back by the normal (u, v, -f)
+                    sky = two * f * (u * up[0] + v * up[1]) + (one - two * left) * up[2]
+                    sky = min(max(np.float32(0.5) + np.float32(0.8) * sky, np.float32(0)), one)
+                    glint = max(u * half[0] + v * half[1] - f * half[2], np.float32(0)) ** 48
+                    glow = max(-(u * light[0] + v * light[1]), np.float32(0)) ** 3 * np.float32(0.14)
+                    for k in range(3):
+                        t = tint[row, column, k] if last[row, column] > 0 else np.float32(0.8)
+                        back = picture[row, column, k]
+                        back = back * kept * (kept + (one - kept) * t) + np.float32(0.85) * t * (one - kept)
+                        seen = np.float32(0.35) * t * (one - sky) + sky
+                        picture[row, column, k] = back * (one - mirror) + seen * mirror + glint + glow
+                    last[row, column] = front if last[row, column] > 0 else np.float32(0)
+
+
+@cpu_stage
+def puffs(centre, radius, focal, centre_x, centre_y, far, up, total, bright):
+    """Add up soft balls in front of ``far``: density of the ray, and the same weighted by light from above.
+
+    centre (n, 3), radius (n,) as `spheres`; up: sign of the picture's upward direction; total and bright
+    (height, width) are read and written; a ray through the middle of a ball adds 1.
+    """
+    height, width = far.shape
+    for band in prange(BANDS):
+        first, last = band * height // BANDS, (band + 1) * height // BANDS
+        for i in range(centre.shape[0]):
+            z = centre[i, 2]
+            if z <= radius[i]:
+                continue
+            x, y = centre[i, 0] / z * focal + centre_x, centre[i, 1] / z * focal + centre_y
+            size = max(radius[i] / z * focal, np.float32(0.75))
+            for row in range(max(first, int(math.floor(y - size))), min(last, int(math.ceil(y + size)) + 1)):
+                v = (row + np.float32(0.5) - y) / size
+                for column in range(max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)):
+                    u = (column + np.float32(0.5) - x) / size
+                    left = np.float32(1) - u * u - v * v
+                    if left > 0 and z < far[row, column]:
+                        dense = left * left
+                        total[row, column] += dense
+                        bright[row, column] += dense * (np.float32(0.5) - np.float32(0.5) * v * up)

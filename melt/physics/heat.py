@@ -185,3 +185,10 @@ def pair_latent(
     T_i, e_i = absorb(q, T_i, e_i, m_i, frozen_i, molten_i, L_i)
     T_j, e_j = absorb(-q, T_j, e_j, m_j, frozen_j, molten_j, L_j)
     return T_i, e_i, T_j, e_j
+
+
+@scalar
+def add_compensated(total, rest, e):
+    """Return (total + e, rest + what that sum rounded off): Neumaier. A loop with fastmath would cancel it to nothing."""
+    after = total + e
+    return after, rest + ((total - after) + e if abs(total) >= abs(e) else (e - after) + total)

@@ -57,6 +57,14 @@ def poly6(r2, inverse, value):
 
 
 @scalar
+def xsph_weight(r2, inverse, m_i, m_j, V_i, V_j):
+    """Return m_j/(m_i + m_j) (V_i + V_j) W1 of a pair in (8), with the plain poly6: it is a filter, no density."""
+    real = type(r2)
+    W1 = poly6(r2, inverse, real(315 / (64 * math.pi)) * inverse * inverse * inverse)
+    return m_j / (m_i + m_j) * (V_i + V_j) * W1
+
+
+@scalar
 def spiky_over_r(r2, inverse, gradient, pbf):
     """Return f >= 0 with grad W2 = -f x_ij, from r^2, 1/R and the scale; 0 beyond R and for r < 1e-9 d."""
     real = type(r2)
@@ -101,3 +109,13 @@ def correction_factor(r2, inverse, gradient, V_i, lambda_i, V_j, lambda_j, mobil
     own = lambda_i if mobility_j > real(0) else min(lambda_i, real(0))
     bracket = own * V_j + lambda_j * V_i + s * (V_i + V_j)
     return -bracket * spiky_over_r(r2, inverse, gradient, pbf)
+
+
+@scalar
+def cut(x, y, z, most):
+    """Return the factor that brings a vector to the length ``most``, 1 if it is not longer."""
+    real = type(most)
+    size2 = x * x + y * y + z * z
+    if size2 > most * most:
+        return most / math.sqrt(size2)
+    return real(1)

@@ -43,3 +43,46 @@ def pair_direction(first, second, like):
     z = real(np.int64(c >> shift)) - middle + real(0.5)
     turn = (real(1) if first < second else real(-1)) / math.sqrt(x * x + y * y + z * z)
     return turn * x, turn * y, turn * z
+
+
+@scalar
+def random_words(id, step_low, step_high, number, seed_low, seed_high, stream):
+    """Return the four words of draw ``number`` that a particle makes in a step.
+
+    Streams: 0 birth of bubbles, 1 nucleation, 2 ties and condensate, 3 vapour. All arguments are integers; those of 32 bits
+    (seed, step) arrive as the bit patterns of int32.
+    """
+    low, zero = np.uint64(0xFFFFFFFF), np.uint64(0)
+    key = np.uint64(seed_high) ^ np.uint64(step_high) ^ np.uint64(stream)
+    return philox(
+        np.uint64(id) & low, zero, np.uint64(step_low) & low, np.uint64(number) & low, np.uint64(seed_low) & low, key & low
+    )
+
+
+@scalar
+def unit_share(c0, like):
+    """Return a word as a number from 0 to below 1 of the type of ``like``: 24 bits, exact in single precision."""
+    real = type(like)
+    return real(np.int64(c0 >> np.uint64(8))) / real(1 << 24)
+
+
+@scalar
+def ball_offset(id, step_low, step_high, seed_low, seed_high, stream, like):
+    """Return a point (x, y, z) in the unit ball, uniform, of the type of ``like``.
+
+    Three integers of 21 bits with sign, drawn again (16 times at most) until they lie in the ball; the last draw
+    is halved. Multiples of 2^-21: exact in single precision, and the same on every backend.
+    """
+    real = type(like)
+    sign, shift = np.int64(1 << 20), np.uint64(11)
+    unit = real(1) / real(1 << 20)
+    i = j = k = np.int64(0)
+    for number in range(16):
+        a, b, c, _ = random_words(id, step_low, step_high, number, seed_low, seed_high, stream)
+        i = (np.int64(a >> shift) ^ sign) - sign
+        j = (np.int64(b >> shift) ^ sign) - sign
+        k = (np.int64(c >> shift) ^ sign) - sign
+        if i * i + j * j + k * k <= np.int64(1 << 40):
+            return unit * real(i), unit * real(j), unit * real(k)
+    unit *= real(0.5)
+    return unit * real(i), unit * real(j), unit * real(k)

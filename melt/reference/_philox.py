@@ -20,3 +20,19 @@ def pair_direction(first, second):
     v = [(w >> 11) - 2**20 + 0.5 for w in words[:3]]
     turn = (1 if first < second else -1) / math.sqrt(sum(c * c for c in v))
     return [turn * c for c in v]
+
+
+def random_words(id, step_low, step_high, number, seed_low, seed_high, stream):
+    """Return the four words of draw ``number`` of a particle in a step; int32 bit patterns are taken as unsigned."""
+    counter = int(id) % 2**32, 0, int(step_low) % 2**32, number
+    return philox(counter, (int(seed_low) % 2**32, (int(seed_high) ^ int(step_high) ^ stream) % 2**32))
+
+
+def ball_offset(id, step_low, step_high, seed_low, seed_high, stream):
+    """Return a point of the unit ball: signed integers of 21 bits, up to 16 draws, the last one halved."""
+    for number in range(16):
+        words = random_words(id, step_low, step_high, number, seed_low, seed_high, stream)[:3]
+        v = [(w if w < 2**31 else w - 2**32) >> 11 for w in words]  # arithmetic shift
+        if sum(c * c for c in v) <= 2**40:
+            return [c / 2**20 for c in v]
+    return [c / 2**21 for c in v]

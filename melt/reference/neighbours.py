@@ -6,7 +6,7 @@ from melt.reference._near import write_near
 def neighbours_grid(
     position, phase, cell_start, grid, smoothing, neighbour_count, neighbour_index,
 ):
-    """Write the neighbours of liquid and solid particles, ascending, without the particle itself.
+    """Write the neighbours of all but walls, ascending, without the particle itself.
 
     Neighbours have any phase but inactive; a particle at the support h exactly is none, one
     at the same place is one. The list of any other particle is empty. Entries beyond the

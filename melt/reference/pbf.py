@@ -68,7 +68,7 @@ def pbf_correction(
     own = np.where(w[None, :] > 0, lam[:, None], np.minimum(lam[:, None], 0.0))  # walls do not pull
     bracket = own * V[None, :] + lam[None, :] * V[:, None] + s * (V[:, None] + V[None, :]) / 2
     bracket = np.where(listed(neighbour_count, neighbour_index), bracket, 0.0)
-    if pbf.uniform == 0:
+    if pbf.same_iterations == 0:
         acting = np.maximum(iterations[:, None], iterations[None, :]) > iteration
         bracket = np.where(acting, bracket, 0.0)
     correction[:, on] = float(pbf.omega) * w[on] * (bracket * grad)[:, on, :].sum(axis=2)  # (6)

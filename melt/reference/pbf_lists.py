@@ -24,6 +24,8 @@ def pbf_list(position, support_radius, pbf, neighbour_count, neighbour_index):
     """Keep in each list only the neighbours closer than R_ij = (R_i + R_j)/2, in their order.
 
     Reads: position (3, n) [m], support_radius (n,) [m]; lists of all neighbours within R.
+    Pairs without any radius (two bubbles, a bubble and a wall) stay.
+
     Writes: neighbour_count (n,), neighbour_index (n, capacity); entries behind the count mean nothing.
     """
     x = position.astype(np.float64)
@@ -31,7 +33,7 @@ def pbf_list(position, support_radius, pbf, neighbour_count, neighbour_index):
     for i in range(position.shape[1]):
         row = neighbour_index[i, : neighbour_count[i]].copy()
         r2 = ((x[:, i, None] - x[:, row]) ** 2).sum(axis=0)
-        row = row[r2 < R[i, row] ** 2]
+        row = row[(r2 < R[i, row] ** 2) | (R[i, row] == 0)]
         neighbour_count[i] = row.size
         neighbour_index[i, : row.size] = row
 

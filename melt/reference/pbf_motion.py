@@ -28,15 +28,21 @@ def pbf_predict(phase, fluid, pbf, vessel, dt, velocity, position, position_pred
     position[:, on] = np.clip(x, *_box(vessel))
 
 
-def pbf_move(correction, active_index, active_count, vessel, position):
+def pbf_move(correction, active_index, active_count, pbf, vessel, position):
     """Add the corrections of the listed particles to their positions, clamped to the vessel.
+
+    One is half a spacing long at most: liquid far denser than at rest (a thousand particles at one point) would
+    else be thrown by metres.
 
     Reads: correction (3, n) [m], active_index (n,) of which the first active_count[0] count.
     Writes: position (3, n) [m] of the listed.
     """
     on = active_index[: int(active_count[0])]
     lower, upper = _box(vessel)
-    position[:, on] = np.clip(position[:, on].astype(np.float64) + correction[:, on].astype(np.float64), lower, upper)
+    moved, most = correction[:, on].astype(np.float64), 0.5 * float(pbf.spacing)
+    size = np.sqrt((moved**2).sum(axis=0))
+    moved *= np.where(size > most, most / np.where(size > most, size, 1.0), 1.0)
+    position[:, on] = np.clip(position[:, on].astype(np.float64) + moved, lower, upper)
 
 
 def pbf_velocity(position, position_predicted, phase, dt, velocity):

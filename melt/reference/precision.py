@@ -20,26 +20,35 @@ def height_histogram(position, phase, pbf, height_bins):
     height_bins[:] = np.bincount(k, minlength=bins)
 
 
+def momentum_size(phase, mass, velocity, momentum_size):
+    """Write E = m |v| of liquid particles [kg m/s], 0 for others.
+
+    Reads: phase (n,), mass (n,) [kg], velocity (3, n) [m/s]. Writes: momentum_size (n,).
+    """
+    E = mass.astype(np.float64) * np.sqrt((velocity.astype(np.float64) ** 2).sum(axis=0))
+    momentum_size[:] = np.where(phase == 0, E, 0.0)
+
+
 def effect_precision(
-    position, velocity, phase, mass, neighbour_count, neighbour_index, pbf, height, dt,
+    position, phase, momentum_size, neighbour_count, neighbour_index, pbf, height, dt,
     effect_precision, support_radius, iterations,
 ):
     """Write effect precision, support radius and iterations of liquid particles for the next step.
 
     F follows its target with a time constant and stays within F_min and 1.
 
-    Reads: position (3, n) [m], velocity (3, n) [m/s], phase (n,), mass (n,) [kg], neighbour lists,
+    Reads: position (3, n) [m], phase (n,), momentum_size (n,) [kg m/s], neighbour lists,
         effect_precision (n,) of the step before; height H [m] of what counts as surface.
     Writes: effect_precision (n,), support_radius (n,) [m], iterations (n,); others than liquid have 0.
     """
-    E = mass.astype(np.float64) * np.sqrt((velocity.astype(np.float64) ** 2).sum(axis=0))
+    E = momentum_size.astype(np.float64)
     height = float(height)
     for i in range(phase.shape[0]):
         if phase[i] != 0:
             effect_precision[i], support_radius[i], iterations[i] = 0, 0, 0
             continue
         near = neighbour_index[i, : neighbour_count[i]]
-        most = max(E[i], E[near[phase[near] == 0]].max(initial=0.0))
+        most = max(E[i], E[near].max(initial=0.0))
         y = float(position[2, i]) - float(pbf.floor)
         a = float(pbf.height_share)
         if y >= height:
@@ -62,7 +71,7 @@ def iteration_key(phase, iterations, neighbour_count, neighbour_index, pbf, iter
     for i in range(phase.shape[0]):
         if phase[i] != 0:
             iteration_key[i] = 0
-        elif pbf.uniform == 1:
+        elif pbf.same_iterations == 1:
             iteration_key[i] = pbf.iterations
         else:
             iteration_key[i] = max(iterations[i], iterations[neighbour_index[i, : neighbour_count[i]]].max(initial=0))

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from melt.errors import SceneError
 from melt.scene.messages import explain
 from melt.scene.model import Scene
-from melt.scene.presets import OPTIONAL_SECTIONS, PRESETS
+from melt.scene.presets import BOILING_PRESETS, OPTIONAL_SECTIONS, PRESETS
 
 
 def data_folder():
@@ -96,7 +96,7 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         if not _ or not key.strip():
             raise SceneError(f"override {text!r}: write KEY=VALUE, for instance heat.conductivity=50")
         _assign(data, key.strip(), _parse(value.strip()))
-    _fill_in(data, PRESETS.get(chosen, {}))
+    _fill_in(data, (BOILING_PRESETS if "boiling" in data else PRESETS).get(chosen, {}))
     _resolve_meshes(data, folder)
     heat = data.get("heat")
     law = heat.get("law", "paper") if isinstance(heat, dict) else "paper"
@@ -148,8 +148,15 @@ def _fill_in(data, defaults):
             continue
         table = data.setdefault(section, {})
         if isinstance(table, dict):
-            for key, value in values.items():
-                table.setdefault(key, value)
+            _fill_table(table, values)
+
+
+def _fill_table(table, values):
+    for key, value in values.items():
+        if not isinstance(value, dict):
+            table.setdefault(key, value)
+        elif isinstance(table.get(key), dict) or (key not in table and key not in OPTIONAL_SECTIONS):
+            _fill_table(table.setdefault(key, {}), value)
 
 
 def _resolve_meshes(data, folder):

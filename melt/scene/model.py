@@ -8,6 +8,7 @@ from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_
 
 from melt.errors import InputError
 from melt.scene.bodies import Fluid, Heater, Inflow, Obstacle, Solid
+from melt.scene.boiling import Boiling, check_boiling
 from melt.scene.pbf import check_pbf
 from melt.scene.quantities import (
     Acceleration,
@@ -26,7 +27,10 @@ from melt.scene.quantities import (
 from melt.scene.solver import Solver
 
 #: Particle fields that a run file may have.
-OUTPUT_FIELDS = "id phase material position velocity density pressure temperature latent_energy constraint".split()
+OUTPUT_FIELDS = (
+    "id phase material position velocity density pressure temperature latent_energy constraint effect_precision"
+    " bubble_radius age cargo latent_store"
+).split()
 MOST_STEPS = 1_000_000_000
 #: Thermal sub-steps of a step: more are refused, not waited for.
 SUBSTEPS_LIMIT = 10_000
@@ -216,6 +220,7 @@ class Scene(Section):
     fluid: Fluid = Field(default_factory=Fluid)
     solid: list[Solid] = []
     heat: Heat | None = None
+    boiling: Boiling | None = None
     inflow: list[Inflow] = []
     obstacle: list[Obstacle] = []
     solver: Solver = Field(default_factory=Solver)
@@ -230,8 +235,10 @@ class Scene(Section):
             raise ValueError(
                 "fluid.sound_speed = legal follows from the sub-step: set time.n_sub to a number"
             )
-        if self.solver.pressure == "pbf":
+        if self.solver.pressure != "wcsph":
             check_pbf(self)
+        if self.boiling is not None:
+            check_boiling(self)
         if not self.solver.motion and self.heat is None:
             raise ValueError("solver.motion = false leaves nothing to do: add a [heat] section")
         for k, solid in enumerate(self.solid):

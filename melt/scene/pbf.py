@@ -12,17 +12,22 @@ def check_pbf(scene):
     s, f = scene.solver, scene.fluid
     missing = {
         "solids ([[solid]])": bool(scene.solid),
-        "heat ([heat])": scene.heat is not None,
+        "heat ([heat]; a liquid that is heated: [boiling])": scene.heat is not None,
         "inflow ([[inflow]])": bool(scene.inflow),
         "fluid.viscosity = laminar": f.viscosity == "laminar" and f.mu > 0,
         "fluid.drag": f.drag > 0,
         "fluid.surface_tension": f.surface_tension > 0,
         "fluid.xsph (use solver.pbf.xsph)": f.xsph > 0,
+        "fluid.expansion (use boiling.boost = boussinesq)": f.expansion != 0,
     }
     if wanted := [name for name, here in missing.items() if here]:
-        raise ValueError(f"solver.pressure = pbf moves liquid between walls, without {', '.join(wanted)}: use wcsph")
+        raise ValueError(f"solver.pressure = {s.pressure} moves liquid between walls, without {', '.join(wanted)}: use wcsph")
     if s.support < 1.6:
-        raise ValueError(f"solver.support = {s.support:g} is too short for pressure = pbf: at least 1.6 (lattice sums collapse)")
+        raise ValueError(f"solver.support = {s.support:g} is too short for pressure = {s.pressure}: at least 1.6 (lattice sums collapse)")
+    if s.pressure == "sph":
+        if s.pbf.precision:
+            raise ValueError("solver.pbf.precision is of the position based solve: set it to false, or pressure = pbf")
+        return
     product = relaxation(scene) * stiffness(s.support).largest
     if product > 2:
         raise ValueError(

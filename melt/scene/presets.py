@@ -25,4 +25,18 @@ PRESETS = {
         "solver": {"melt_to": "own", "density_form": "volume"},
     },
 }
-OPTIONAL_SECTIONS = {"heat"}
+#: What the presets mean for a scene that boils (boiling spec 4).
+BOILING_PRESETS = {
+    # every choice of the paper that can be told: boiling free of charge, at once, mean position, upward velocity
+    "paper": {
+        "boiling": {
+            "latent_scale": 0.0, "nucleation_time": 0.0, "boost": "literal", "boost_rate": 0.02,
+            "heater": {"mode": "dirichlet", "temperature": 100.0},
+            "bubbles": {"merge_position": "mean", "merge_velocity": "up"},
+        },
+        "solver": {"precision": "single"},
+    },
+    # the whole latent heat, and heat that conducts as in water
+    "physical": {"boiling": {"latent_scale": 1.0, "diffusivity": 1.6e-7, "boost": "boussinesq"}},
+}
+OPTIONAL_SECTIONS = {"heat", "boiling", "heater"}

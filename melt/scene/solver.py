@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
-from melt.scene.quantities import NonNegative, Positive, Section, Share, quantity
+from melt.scene.quantities import DynamicViscosity, NonNegative, Positive, PositiveSpeed, Section, Share, quantity
 
 Width = Annotated[int, Field(ge=0, le=5)]
 
@@ -47,12 +47,23 @@ class PositionBased(Section):
     """Time constant with which the effect precision follows [s]."""
 
 
+class PlainSph(Section):
+    """Numbers of Mueller 2003's SPH (solver.pressure = sph), the baseline of the boiling paper."""
+
+    sound_speed: PositiveSpeed | Literal["auto"] = "auto"
+    """"auto": the bottom of the resting liquid compresses by solver.pbf.compression."""
+    viscosity: DynamicViscosity = 3.0
+    cfl: Positive = 0.4
+    """Sub-steps of at most cfl R / sound speed."""
+
+
 class Solver(Section):
     """Numerical method."""
 
-    pressure: Literal["wcsph", "pbf"] = "wcsph"
-    """"wcsph": weakly compressible SPH; "pbf": position based fluid, for liquids between walls."""
+    pressure: Literal["wcsph", "pbf", "sph"] = "wcsph"
+    """"wcsph": weakly compressible SPH; "pbf": position based fluid, for liquids between walls; "sph": Mueller 2003's."""
     pbf: PositionBased = Field(default_factory=PositionBased)
+    sph: PlainSph = Field(default_factory=PlainSph)
     kernel: Literal["cubic", "wendland2", "mueller"] = "cubic"
     """Smoothing function W."""
     laplacian: Literal["visc", "brook", "brook_regular"] = "visc"
@@ -60,8 +71,8 @@ class Solver(Section):
     support: Annotated[quantity("number", above=1, at_most=6), Field()] = None
     """Support radius in spacings, h/dx; 2.5, or 2.2 with pressure = pbf, unless given."""
     neighbours: Literal["grid", "kdtree"] = "grid"
-    max_neighbours: PositiveInt = 128
-    """Initial capacity of neighbour lists; it grows when a list overflows."""
+    max_neighbours: PositiveInt | None = None
+    """Initial capacity of neighbour lists, by the support unless given; it grows when a list overflows."""
     precision: Literal["single", "mixed", "double"] = "mixed"
     """"mixed": positions and their sums in float64, pair work in float32."""
     integration: Literal["symplectic", "kdk"] = "symplectic"
@@ -120,7 +131,7 @@ class Solver(Section):
     @model_validator(mode="after")
     def _fits(self):
         if self.support is None:
-            self.support = 2.2 if self.pressure == "pbf" else 2.5
+            self.support = 2.5 if self.pressure == "wcsph" else 2.2
         if self.baseline == "rigid" and self.integration == "kdk":
             raise ValueError("baseline = rigid makes the forces of a sub-step rigid once: use integration = symplectic")
         if self.baseline == "rigid" and self.width == 0:

@@ -94,7 +94,7 @@ def search(do):
     longest = int(do.read("neighbour_count").max(initial=0))
     if longest > do.size("neighbour"):
         # lists hold the true count even when they overflow: grow and build again, nothing is lost
-        do.resize("neighbour", longest + 16)
+        do.resize("neighbour", 16 * (longest // 16 + 1))  # rows of whole cache lines
         list_neighbours(do)
 
 

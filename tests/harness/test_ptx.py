@@ -39,8 +39,16 @@ def test_every_kernel_compiles_for_every_capability_in_single_precision(single):
     assert {row.capability for row in single} == set(ptx.CAPABILITIES)
 
 
+#: Kernels of fields of kind "double": ledgers, and the volumes of bubbles, which must add up to the last digits.
+LEDGERS = {
+    "boil_grid._voxel_heater", "boil_heat._boil_content", "boil_heat._boil_cooling", "boil_heat._boil_heater", "boost._liquid_sums",
+    "bubble_birth._birth_excess", "bubble_birth._spawn_bubbles", "bubble_growth._bubble_growth", "bubble_merge._merge_members",
+    "bubble_merge._merge_removed",
+}
+
+
 def test_single_precision_kernels_have_no_double_precision_instructions(single):
-    assert not {row.kernel: row.doubles for row in single if row.doubles}
+    assert not {row.kernel: row.doubles for row in single if row.doubles and row.kernel not in LEDGERS}
 
 
 def test_every_kernel_compiles_in_double_precision():

@@ -44,11 +44,25 @@ INTEGERS = {
     "first",
     "second",
     "row",
+    "id",
+    "step_low",
+    "step_high",
+    "number",
+    "seed_low",
+    "seed_high",
+    "stream",
+    "coarse",
+    "steps",
 }
 #: Words of a random generator: uint64.
 WORDS = {"c0", "c1", "c2", "c3", "k0", "k1"}
 #: Arguments that are arrays: shape and kind, None for that of the other reals.
 ARRAYS = {"support_radius": (4, None), "kernel_scale": ((3, 65), None), "pbf.iterations": (4, np.int32)}
+ARRAYS |= {"boiling.heat_sum": (4, None), "boiling.constraint": (4, None), "boiling.voxel_temperature": (60, None)}
+#: The list of bubbles, and what merging reads of them.
+ARRAYS |= {f"bubble_life.{name}": (4, np.int32) for name in ("bubble_index", "bubble_count", "merge_root", "merge_size", "cargo")}
+ARRAYS |= {f"bubble_life.{name}": (4, None) for name in ("bubble_volume", "bubble_radius")}
+ARRAYS |= {f"bubble_life.{name}": ((3, 4), None) for name in ("position", "velocity")}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
     ("polar.horn", "A"): 9,

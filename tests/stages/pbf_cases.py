@@ -30,6 +30,7 @@ def pbf_tuple(ratio=2.2, real=np.float64, **changes):
         iterations=4, minimum_iterations=2, minimum_support=1.8 * D, height_share=0.5, minimum_precision=0.0,
         precision_time=0.05, floor=0.0, inverse_bin=4 / D,
     )
+    values["same_iterations"] = changes.get("uniform", 1)
     return P.make(P.Pbf, real, **{**values, **changes})
 
 
@@ -67,12 +68,16 @@ def arrays(x, phase=0, precision="double", ratio=2.2, **fields):
         effect_precision=np.where(phase == 0, 1.0, 0.0),
     )
     given.update(fields)
-    sizes = dict(particle=n, neighbour=index.shape[1], table=POINTS, bin=40, chunk=1 + n // 256, reduction=64)
+    sizes = dict(
+        particle=n, neighbour=index.shape[1], table=POINTS, bin=40, chunk=1 + n // 256, reduction=64, cell=3, column=1, voxel=1,
+    )
     a = {}
     for stage in STAGES.values():
         if not stage.equation.startswith("boiling"):
             continue
         for name in stage.reads + stage.writes:
+            if name not in FIELDS:  # of general stages: the page names the field
+                continue
             value = given.get(name)
             value = np.zeros(shape_of(FIELDS[name], sizes)) if value is None else value
             a[name] = np.ascontiguousarray(value, dtype=dtype_of(FIELDS[name], precision))

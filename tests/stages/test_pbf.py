@@ -233,6 +233,20 @@ def test_prediction_cuts_speed_and_stops_at_the_vessel(backend):
 
 
 @everywhere
+@pytest.mark.parametrize("precision", REALS)
+def test_a_correction_is_half_a_spacing_long_at_most(backend, precision):
+    c = np.array([[0.3, 0.4, 0], [0.3, 0.4, 0.01], [0, -30, 40], [np.nan, 0, 0], [9, 0, 0]]).T * D
+    a = arrays(np.zeros((5, 3)), 0, precision, correction=c, active_index=[0, 1, 2, 3, 4], active_count=[4])
+    run("pbf_move", backend, a)
+    rel = 1e-14 if precision == "double" else 1e-6  # corrections are float32
+    size = np.sqrt(0.2501)
+    assert a["position"][:, :3].T / D == pytest.approx(
+        np.array([[0.3, 0.4, 0], [0.15 / size, 0.2 / size, 0.005 / size], [0, -0.3, 0.4]]), rel=rel, abs=1e-300
+    )
+    assert np.isnan(a["position"][0, 3]) and (a["position"][:, 4] == 0).all()  # not listed
+
+
+@everywhere
 def test_coincident_particles_part(backend):
     """Two at one place get opposite pushes of equal impulse; a thousand are finite and all differ."""
     m = np.array([1.0, 3.0, 1.0]) * MASS

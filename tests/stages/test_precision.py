@@ -15,6 +15,7 @@ def test_precision_by_hand(backend, precision):
     x = [[0, 0, 2 * D], [D, 0, 2 * D], [0, 0, 9 * D], [0, D, 2 * D]]
     a = arrays(x, [0, 0, 0, 2], precision, velocity=[[0.1, 0.4, 0, 9], [0, 0, 0, 9], [0, 0, 0, 9]])
     pbf = pbf_tuple(real=a["mass"].dtype.type, uniform=0)
+    assert run("momentum_size", backend, a)["momentum_size"] == pytest.approx(MASS * np.array([0.1, 0.4, 0, 0]), rel=1e-6)
     run("effect_precision", backend, a, pbf, height=8 * D, dt=0.05)
     F = np.array([0.5 * 0.25 + 0.5 * 0.25, 0.5 * 0.25 + 0.5, 1.0, 0.0])
     assert a["effect_precision"] == pytest.approx(F, rel=1e-6)

@@ -33,7 +33,7 @@ def test_every_call_was_foreseen(name, precision, monkeypatch):
     simulation = Simulation(load_scene(name, SCENES[name]), "cpu", precision)
     for _ in range(2):
         simulation.step()
-    foreseen = set(ahead.signatures(simulation.do, simulation.prepared.stages))
+    foreseen = set(ahead.signatures(simulation.do, simulation.prepared.stages, simulation.prepared.renamed))
     assert called and called <= foreseen, called - foreseen
 
 
@@ -50,7 +50,7 @@ heard = []
 sim = Simulation(load_scene("stefan_front_small"), "cpu", progress=lambda event, **v: heard.append(event))
 ahead._ready.clear()
 assert "warning" not in heard
-assert not ahead._missing(ahead.signatures(sim.do, sim.prepared.stages))
+assert not ahead._missing(ahead.signatures(sim.do, sim.prepared.stages, sim.prepared.renamed))
 print(len(heard))
 """
 

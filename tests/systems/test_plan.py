@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from melt.constants import lattice_offsets, list_capacity
 from melt.fields import FIELDS
 from melt.geometry.build import build
 from melt.plan import prepare
@@ -99,3 +100,13 @@ def test_capacity_of_lists_grows_without_changing_results():
     (small, grown), (wide, kept) = end(20), end(160)
     assert grown > 20 and kept == 160
     assert np.array_equal(small, wide)
+
+
+def test_capacity_of_lists_follows_the_support():
+    """Room for the lattice at rest and a third more at any support, in rows of whole cache lines; a given number is kept."""
+    assert [list_capacity(ratio) for ratio in (1.6, 2.0, 2.2, 2.5, 3.0)] == [32, 48, 64, 96, 160]
+    for ratio in np.arange(1.01, 6.01, 0.01):
+        assert list_capacity(ratio) % 16 == 0 and list_capacity(ratio) > lattice_offsets(ratio).size
+        assert list_capacity(ratio) >= 4 / 3 * (4 / 3 * np.pi * ratio**3)
+    sizes = [prepared(scene_from_dict({**FLUID, "solver": s})).sizes["neighbour"] for s in ({}, {"support": 2.0}, {"max_neighbours": 77})]
+    assert sizes == [96, 48, 77]
