@@ -18,7 +18,6 @@ import numba
 
 from experiments import Row
 from melt import bench
-from melt.scene import scene_from_dict
 
 EDGES = (22, 39, 58)  # 10,648, 59,319 and 195,112 particles
 SUPPORTS = (2.0, 2.5)
@@ -29,14 +28,7 @@ SPACING, DT = 0.01, 0.001
 
 def dam_break(edge, support, iterations):
     """Return the scene of edge^3 particles."""
-    size = edge * SPACING
-    return scene_from_dict({
-        "scene": {"name": f"pbf_dam_break_{edge**3}"},
-        "time": {"end": 1.0, "n_sub": 1, "dt": DT},
-        "domain": {"upper": [1.5 * size, size, size], "spacing": SPACING, "walls": {"layers": 3}},
-        "fluid": {"fill": [{"lower": [0, 0, 0], "upper": [size, size, size]}]},
-        "solver": {"precision": "single", "pressure": "pbf", "support": support, "pbf": {"iterations": iterations}},
-    })
+    return bench.dam_break(edge**3, support, iterations)
 
 
 def peer(edge, iterations, warm, steps, threads):

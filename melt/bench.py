@@ -35,6 +35,19 @@ def tank(particles, precision="single", heat=False):
     return scene_from_dict(scene)
 
 
+def dam_break(particles, support, iterations, precision="single"):
+    """Return a scene: a cube of water of about ``particles`` collapsing as a position based fluid, one sub-step of 1 ms a step."""
+    dx = 0.01
+    size = max(4, round(particles ** (1 / 3))) * dx
+    return scene_from_dict({
+        "scene": {"name": "pbf_dam_break"},
+        "time": {"end": 1.0, "n_sub": 1, "dt": 0.001},
+        "domain": {"upper": [1.5 * size, size, size], "spacing": dx, "walls": {"layers": 3}},
+        "fluid": {"fill": [{"lower": [0, 0, 0], "upper": [size, size, size]}]},
+        "solver": {"precision": precision, "pressure": "pbf", "support": support, "pbf": {"iterations": iterations}},
+    })
+
+
 def time_steps(scene, backend="cpu", warm=3, steps=10, threads=None):
     """Return per-stage medians of one run.
 
@@ -113,6 +126,11 @@ def bare_fluid(sim, steps=10):
     return statistics.median(walls)
 
 
+def solve_ms(result):
+    """Return the milliseconds of the stages of the position based solve in a step."""
+    return sum(result["ms"].get(name, 0.0) for name in ("pbf_lambda", "pbf_correction", "pbf_move"))
+
+
 def stage_rows(result):
     """Return rows (stage, ms, share, ns per pair, million particles per second), slowest first."""
     total = sum(result["ms"].values())
@@ -124,25 +142,31 @@ def stage_rows(result):
     return rows
 
 
-def run(sizes=SIZES, backend="cpu", precision="single", threads=(1, 2), steps=10, out=None, say=print):
-    """Measure the scaling series, print tables, and store them in HDF5 if ``out`` is given."""
+def run(
+    sizes=SIZES, backend="cpu", precision="single", threads=(1, 2), steps=10, out=None, say=print, iterations=None, support=2.0,
+):
+    """Measure the scaling series, print tables, and store them in HDF5 if ``out`` is given.
+
+    With ``iterations`` it is a dam break of the position based fluid, with a support of ``support`` spacings.
+    """
     import numba
 
     threads = [t for t in threads if t <= numba.config.NUMBA_NUM_THREADS]
     results = []
     for n in sizes:
         for t in threads:
-            result = time_steps(tank(n, precision), backend, steps=steps if n < 500_000 else 4, threads=t)
+            scene = dam_break(n, support, iterations, precision) if iterations else tank(n, precision)
+            result = time_steps(scene, backend, steps=steps if n < 500_000 else 4, threads=t)
             result["threads"] = t
-            result["page_over_bare"] = (
-                result["step_ms"] / bare_fluid(result["simulation"], 5) if t == threads[-1] else np.nan
-            )
+            bare = t == threads[-1] and not iterations
+            result["page_over_bare"] = result["step_ms"] / bare_fluid(result["simulation"], 5) if bare else np.nan
             result.pop("simulation")
             results.append(result)
             say(
                 f"{result['liquid']:>9,} liquid + {result['particles'] - result['liquid']:,} wall, {t} thread(s), "
                 f"{precision}: {result['step_ms']:.2f} ms/sub-step, {1e6 * result['step_ms'] / result['pairs']:.2f} ns/pair, "
                 f"{result['neighbours']:.1f} neighbours, {result['bytes'] / result['particles']:.0f} bytes/particle"
+                + (f", {iterations} iterations of {solve_ms(result) / iterations:.2f} ms" if iterations else "")
             )
     say("")
     last = results[min(len(results), 2 * len(threads)) - 1]

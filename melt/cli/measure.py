@@ -51,6 +51,10 @@ def bench(
     precision: Annotated[str, typer.Option("--precision", help="single, mixed or double.")] = "single",
     threads: Annotated[list[int] | None, typer.Option("--threads", help="CPU threads (repeat).")] = None,
     steps: Annotated[int, typer.Option("--steps", min=1, help="Steps to take the median of.")] = 10,
+    iterations: Annotated[
+        int | None, typer.Option("--pbf", min=1, max=255, help="Iterations: time a dam break of the position based fluid.")
+    ] = None,
+    support: Annotated[float, typer.Option("--support", min=1.6, max=6, help="Support radius of --pbf in spacings.")] = 2.0,
     out: Out = None,
 ):
     """Time the stages: milliseconds, nanoseconds per pair, scaling with particles and threads."""
@@ -65,6 +69,8 @@ def bench(
         steps,
         out=out,
         say=typer.echo,
+        iterations=iterations,
+        support=support,
     )
 
 
