@@ -23,7 +23,7 @@ EDGES = (22, 39, 58)  # 10,648, 59,319 and 195,112 particles
 SUPPORTS = (2.0, 2.5)
 ITERATIONS = (10, 2)
 PEER_SUPPORT = 2.0
-SPACING, DT = 0.01, 0.001
+SPACING, DT = bench.DAM_SPACING, bench.DAM_DT
 
 
 def dam_break(edge, support, iterations):

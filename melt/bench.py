@@ -15,6 +15,7 @@ from melt.simulation import Simulation
 
 #: Liquid particles of the scaling series.
 SIZES = (10_000, 60_000, 250_000, 1_000_000)
+DAM_SPACING, DAM_DT = 0.01, 0.001  # m and s, of `dam_break`
 
 
 def tank(particles, precision="single", heat=False):
@@ -36,12 +37,12 @@ def tank(particles, precision="single", heat=False):
 
 
 def dam_break(particles, support, iterations, precision="single"):
-    """Return a scene: a cube of water of about ``particles`` collapsing as a position based fluid, one sub-step of 1 ms a step."""
-    dx = 0.01
+    """Return a scene: a cube of water of about ``particles`` collapsing as a position based fluid, one sub-step a step."""
+    dx = DAM_SPACING
     size = max(4, round(particles ** (1 / 3))) * dx
     return scene_from_dict({
         "scene": {"name": "pbf_dam_break"},
-        "time": {"end": 1.0, "n_sub": 1, "dt": 0.001},
+        "time": {"end": 1.0, "n_sub": 1, "dt": DAM_DT},
         "domain": {"upper": [1.5 * size, size, size], "spacing": dx, "walls": {"layers": 3}},
         "fluid": {"fill": [{"lower": [0, 0, 0], "upper": [size, size, size]}]},
         "solver": {"precision": precision, "pressure": "pbf", "support": support, "pbf": {"iterations": iterations}},

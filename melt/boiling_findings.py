@@ -5,8 +5,7 @@ import math
 import numpy as np
 
 from melt.boiling import diffusivity_of, heater_box, slots_of
-
-WATER = 1.6e-7  # m^2/s, diffusivity of heat in water
+from melt.scene.presets import WATER_DIFFUSIVITY
 
 
 def boiling_findings(scene, initial):
@@ -64,7 +63,7 @@ def _span(low, high):
 def _heat(scene):
     b, d = scene.boiling, scene.spacing
     alpha = diffusivity_of(scene)
-    times = f"{alpha / WATER:,.3g} times as fast as in water"
+    times = f"{alpha / WATER_DIFFUSIVITY:,.3g} times as fast as in water"
     found = [("note", f"boiling: heat conducts with {alpha:.3g} m^2/s, {times} (boiling.diffusivity)", "")]
     if b.latent_scale == 0 or b.heat_model == "grid":
         why = "boiling.latent_scale = 0" if b.latent_scale == 0 else "boiling.heat_model = grid has no latent heat"

@@ -39,10 +39,6 @@ SERIES = {
     "merge_y": ("kg m/s", ""),
     "merge_z": ("kg m/s", ""),
 }
-_COUNTERS = (
-    "boiled merged vanished burst deferred vapour_dropped condensed condensed_heat heat_in heat_lost push_x push_y push_z"
-    " merge_x merge_y merge_z"
-).split()
 
 
 def series(do, start):
@@ -58,7 +54,7 @@ def series(do, start):
     particle = settings.particle_mass
     cargo = int(get["cargo"][bubble].sum())
     kept = settings.boiling.mass_model == "nucleate"
-    values = {name: ledger[name] for name in _COUNTERS}
+    values = {name: ledger[name] for name in SERIES if name in ledger}
     height = get["position"][2, liquid].astype(np.float64) - float(do.params["bubbles"].floor)
     values |= {
         "bubbles": int(bubble.sum()),

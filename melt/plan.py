@@ -12,7 +12,7 @@ import numpy as np
 
 from melt import boiling as boil
 from melt.bind import Recorder
-from melt.constants import lattice_offsets, list_capacity, params_of, sound_speed_of
+from melt.constants import list_capacity, params_of, sound_speed_of
 from melt.fields import CARRIED, FIELDS
 from melt.physics.phases import LIQUID, SOLID
 from melt.position_based import POINTS, adaptive, pbf_fields, pbf_of, short_lists, vessel_of
@@ -273,11 +273,6 @@ def scales_of(scene, initial, settings):
         "bubble_push": mass * 0.1 * cs * dx**3,
         "rate2": (0.1 * cs / dx) ** 2,
     }
-
-
-def neighbours_inside(scene):
-    """Return the number of neighbours of a particle inside the rest lattice."""
-    return lattice_offsets(scene.solver.support).size
 
 
 def carried(prepared):

@@ -46,10 +46,10 @@ def squared_gradients(ratio):
 
 
 def kernel_table(ratio):
-    """Return `kernel_scale` (3, POINTS) for supports from SHORTEST to ``ratio`` spacings; the last point is exact."""
+    """Return `kernel_scale` (2, POINTS) for supports from SHORTEST to ``ratio`` spacings; the last point is exact."""
     ratios = np.linspace(SHORTEST, ratio, POINTS)
-    S, G, N_L = np.array([lattice_sums(float(q)) for q in ratios]).T
-    return np.array([315 / (64 * np.pi * S), 45 / (np.pi * G), 45 / (np.pi * N_L)])
+    S, G, _ = np.array([lattice_sums(float(q)) for q in ratios]).T
+    return np.array([315 / (64 * np.pi * S), 45 / (np.pi * G)])
 
 
 class Stiffness(NamedTuple):

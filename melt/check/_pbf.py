@@ -14,13 +14,13 @@ def _sums(ratio):
     r = np.array([np.sqrt(a * a + b * b + c * c) for a, b, c in itertools.product(range(-3, 4), repeat=3)])
     q = np.maximum(1 - r / ratio, 0)
     S = 315 / (64 * np.pi * ratio**3) * (np.maximum(1 - (r / ratio) ** 2, 0) ** 3).sum()
-    return S, 45 / (np.pi * ratio**4) * (r * q**2).sum() / 3, 45 / (np.pi * ratio**5) * (r**2 * q).sum() / 6
+    return S, 45 / (np.pi * ratio**4) * (r * q**2).sum() / 3
 
 
 def constants():
     """Return the values of the tuple `Pbf`; the histogram's bins are a power of two so that ties stay ties."""
     ratio = SUPPORT / SPACING
-    S, G, _ = _sums(ratio)
+    S, G = _sums(ratio)
     return dict(
         spacing=SPACING,
         support=SUPPORT,
@@ -78,7 +78,7 @@ def fields(arrays, rng):
         active_index=index,
         active_count=np.array([len(on)]),
         kernel_scale=np.array(
-            [[c / s for c, s in zip((315 / (64 * np.pi), 45 / np.pi, 45 / np.pi), _sums(q))]
+            [[c / s for c, s in zip((315 / (64 * np.pi), 45 / np.pi), _sums(q))]
              for q in np.linspace(START, SUPPORT / SPACING, POINTS)]
         ).T,
         height_bins=np.zeros(40, int),

@@ -31,7 +31,7 @@ def pbf_lambda(
     """Write the density constraint and its Lagrange multiplier of the listed particles.
 
     Reads: position (3, n) [m], volume (n,) [m^3] (0 for what displaces nothing), mobility (n,) [1/kg],
-        support_radius (n,) [m] and kernel_scale (3, t) (effect precision only), active_index (n,) of which
+        support_radius (n,) [m] and kernel_scale (2, t) (effect precision only), active_index (n,) of which
         the first active_count[0] count; pairs of the neighbour lists.
     Writes: constraint (n,) [1], multiplier (n,) [kg m^2]; others keep theirs.
     """

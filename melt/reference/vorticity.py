@@ -27,7 +27,7 @@ def vorticity_curl(
     """Write the vorticity [1/s] of liquid particles, 0 of others.
 
     Reads: position (3, n) [m], velocity (3, n) [m/s], phase (n,), volume (n,) [m^3], support_radius (n,) [m]
-        and kernel_scale (3, t) (effect precision only); all pairs.
+        and kernel_scale (2, t) (effect precision only); all pairs.
     Writes: vorticity (3, n).
     """
     on, x, v, V, R = _liquid(phase, position, velocity, volume, support_radius)

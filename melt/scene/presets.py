@@ -25,6 +25,7 @@ PRESETS = {
         "solver": {"melt_to": "own", "density_form": "volume"},
     },
 }
+WATER_DIFFUSIVITY = 1.6e-7  # of heat, m^2/s
 #: What the presets mean for a scene that boils (boiling spec 4).
 BOILING_PRESETS = {
     # every choice of the paper that can be told: boiling free of charge, at once, mean position, upward velocity
@@ -37,6 +38,6 @@ BOILING_PRESETS = {
         "solver": {"precision": "single"},
     },
     # the whole latent heat, and heat that conducts as in water
-    "physical": {"boiling": {"latent_scale": 1.0, "diffusivity": 1.6e-7, "boost": "boussinesq"}},
+    "physical": {"boiling": {"latent_scale": 1.0, "diffusivity": WATER_DIFFUSIVITY, "boost": "boussinesq"}},
 }
 OPTIONAL_SECTIONS = {"heat", "boiling", "heater"}
