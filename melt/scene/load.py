@@ -11,6 +11,7 @@ from melt.errors import SceneError
 from melt.scene.messages import explain
 from melt.scene.model import Scene
 from melt.scene.presets import BOILING_PRESETS, OPTIONAL_SECTIONS, PRESETS
+from melt.scene.terrain import resolve_terrain_files
 
 
 def data_folder():
@@ -98,6 +99,7 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         _assign(data, key.strip(), _parse(value.strip()))
     _fill_in(data, (BOILING_PRESETS if "boiling" in data else PRESETS).get(chosen, {}))
     _resolve_meshes(data, folder)
+    resolve_terrain_files(data, folder)
     heat = data.get("heat")
     law = heat.get("law", "paper") if isinstance(heat, dict) else "paper"
     try:
