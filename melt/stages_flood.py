@@ -50,7 +50,7 @@ LIST = [
     stage("flood_guard", "flood_guard", "flood 1.4", "rest_volume terrain_wall phase position velocity", "basin terrain_grid",
           "phase position velocity left_volume", STIFF, partial=True),
     stage("flood_land", "flood_motion", "flood 4 (Fig 10)", "bed depth phase position velocity", "", "phase velocity", FEW, partial=True),
-    stage("infiltrate", "flood_sources", "flood E19", "depth phase mass rest_volume", "flood rate thinnest dt", "phase mass rest_volume left_volume", FEW,
+    stage("infiltrate", "flood_sources", "flood E19", "depth phase mass rest_volume", "rate thinnest dt", "phase mass rest_volume left_volume", FEW,
           partial=True),
     stage("damp_columns", "flood_motion", "flood E6 (relaxation start)", "phase velocity", "factor", "velocity", FEW, partial=True),
     # ---- flood: open boundaries
@@ -59,6 +59,6 @@ LIST = [
     # ---- flood: maps and gauges
     stage("flood_sample", "flood_sample", "flood 9",
           "sample_position sample_bed position velocity phase rest_volume depth bed support_radius cell_start cell_reach", "grid flood sampling", _MAP, SHARE),
-    stage("keep_most", "flood_sample", "flood 9", f"{_MAP} most_depth most_speed most_flux arrival_time wet_time", "sampling time dt",
+    stage("keep_most", "flood_sample", "flood 9", "sample_depth sample_speed most_depth most_speed most_flux arrival_time wet_time", "sampling time dt",
           "most_depth most_speed most_flux arrival_time wet_time", FEW, partial=True),
 ]
