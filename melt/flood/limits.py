@@ -24,9 +24,3 @@ def limits_of(cfl, wave, push, move):
         "force": 0.25 / math.sqrt(max(push, 1e-12)),
         "terrain": 0.5 / max(move, 1e-12),
     }
-
-
-def step_limits(do):
-    """Return {bound: seconds} at the start, from the deepest water at rest and the largest speed."""
-    s = do.settings
-    return limits_of(s.cfl, (s.start_wave + do.clock.max_speed) / s.start_length, 0.0, do.clock.max_speed / s.start_length)

@@ -60,6 +60,8 @@ class Run:
         self.series, self.series_units = {}, {}
         if "series" in melt:
             melt["series"].visititems(self._read_series)
+        self.maps = {name: item[:] for name, item in melt.get("maps", {}).items()}
+        self.gauges = {name: item[:] for name, item in melt.get("gauges", {}).items()}
 
     def _read_series(self, name, item):
         if isinstance(item, h5py.Dataset):

@@ -206,6 +206,7 @@ class FloodOutput(Output):
 class FloodScene(Section):
     """A flood."""
 
+    kind: ClassVar[str] = "flood"
     scene: About = Field(default_factory=About)
     preset: str = "default"
     time: Time

@@ -10,7 +10,8 @@ from pydantic import ValidationError
 from melt.errors import SceneError
 from melt.scene.messages import explain
 from melt.scene.model import Scene
-from melt.scene.presets import BOILING_PRESETS, OPTIONAL_SECTIONS, PRESETS
+from melt.scene.flood import FloodScene
+from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, OPTIONAL_SECTIONS, PRESETS
 from melt.scene.terrain import resolve_terrain_files
 
 
@@ -84,7 +85,7 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
     chosen = preset or data.get("preset", "default")
     if not isinstance(chosen, str):
         raise SceneError(f"{title}: preset = {chosen!r} is not allowed: it must be the name of one preset")
-    known = {**PRESETS, **own}
+    known = {**(FLOOD_PRESETS if "terrain" in data else PRESETS), **own}
     if chosen not in known:
         close = difflib.get_close_matches(str(chosen), known, 1)
         hint = f"did you mean {close[0]}? " if close else ""
@@ -97,15 +98,18 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         if not _ or not key.strip():
             raise SceneError(f"override {text!r}: write KEY=VALUE, for instance heat.conductivity=50")
         _assign(data, key.strip(), _parse(value.strip()))
-    _fill_in(data, (BOILING_PRESETS if "boiling" in data else PRESETS).get(chosen, {}))
+    model, defaults = Scene, BOILING_PRESETS if "boiling" in data else PRESETS
+    if "terrain" in data:
+        model, defaults = FloodScene, FLOOD_PRESETS
+    _fill_in(data, defaults.get(chosen, {}))
     _resolve_meshes(data, folder)
     resolve_terrain_files(data, folder)
     heat = data.get("heat")
     law = heat.get("law", "paper") if isinstance(heat, dict) else "paper"
     try:
-        return Scene.model_validate(data, context={"law": law})
+        return model.model_validate(data, context={"law": law})
     except ValidationError as error:
-        raise SceneError(explain(error, data, title, Scene)) from None
+        raise SceneError(explain(error, data, title, model)) from None
 
 
 def _parse(text):
