@@ -24,6 +24,19 @@ class Calibration(NamedTuple):
     support: np.ndarray  # (n,) radius that the sums were taken with: that of the volumes before [m]
 
 
+def measured_bias(x, volume, target_depth, ratio, boundary=None, *, bed=None):
+    """Return how much too deep the sums are on average (weighed by volume), to divide the kernel by 1 + it.
+
+    Relaxed columns lie between a square lattice (0.05 %) and a hexagonal one (0.47 %).
+    """
+    x, volume, target = np.asarray(x, float), np.asarray(volume, float), np.asarray(target_depth, float)
+    support = ratio * np.sqrt(volume / target)
+    pairs = near(x, x, support)
+    water = np.bincount(pairs.row, volume[pairs.other] * weight(pairs.r, support[pairs.row]), volume.size)
+    found = (water + wall_depth(x, target, support, boundary, bed)) / target
+    return float(volume @ found / volume.sum() - 1)
+
+
 def calibrate(x, volume, target_depth, ratio, boundary=None, sweeps=400, *, bed=None, bias=None, tolerance=1e-6):
     """Return (volume (n,) [m^3], `Calibration`): sums of neighbours that equal the target depths.
 
