@@ -11,7 +11,6 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
 from melt.errors import InputError
@@ -69,40 +68,60 @@ def near(x, others, radius):
     return Near(row, other, np.hypot(*(x[:, row] - others[:, other])))
 
 
-class _Sums:
-    """Terms of the depth of some columns as functions of their depth, for supports up to ``radius``."""
+class _Walls:
+    """What walls add to columns: max(0, d_i + b_i - z_b) A_b W, all shares together at most 1 - `LEAST_OPEN`."""
 
-    def __init__(self, x, volume, rows, radius, ratio, bias, boundary, bed):
-        self.volume, self.scale, self.n = volume[rows], ratio**2, rows.size
-        self.norm = 1 + bias
+    def __init__(self, x, radius, boundary, bed, norm=1.0):
+        self.n, self.norm = x.shape[1], norm
+        self.pairs = near(x, boundary[0], radius)
+        self.area = boundary[1][self.pairs.other]
+        sloped = len(boundary) > 2 and bed is not None
+        self.level = bed[self.pairs.row] - boundary[2][self.pairs.other] if sloped else 0.0
+
+    def __call__(self, depth, support):
+        """Return what they add (n,) [m] and its derivative by depth."""
+        row = self.pairs.row
+        lift = depth[row] + self.level
+        w = np.where(lift > 0, self.area * weight(self.pairs.r, support[row]), 0.0)
+        share = np.bincount(row, w, self.n)
+        bound = np.minimum(1.0, (1 - LEAST_OPEN) * self.norm / np.maximum(share, 1e-300))
+        return bound * np.bincount(row, lift * w, self.n), bound * share
+
+
+def wall_depth(x, depth, support, boundary, bed=None, norm=1.0):
+    """Return what walls add to the sums of columns of known depth (n,) [m]; arguments as of `depth_of`."""
+    if boundary is None or boundary[0].shape[1] == 0:
+        return np.zeros(x.shape[1])
+    return _Walls(x, support, boundary, bed, norm)(depth, support)[0]
+
+
+class _Sums:
+    """Depths of some columns as functions of these depths, for supports up to ``radius``."""
+
+    def __init__(self, x, volume, rows, radius, norm, boundary, bed):
+        self.n, self.norm = rows.size, norm
         self.fluid = near(x[:, rows], x, radius)
         self.mass = volume[self.fluid.other]
-        self.wall = None
-        if boundary is not None and boundary[0].shape[1]:
-            self.wall = near(x[:, rows], boundary[0], radius)
-            self.area = boundary[1][self.wall.other]
-            level = 0.0 if len(boundary) < 3 or bed is None else bed[rows][self.wall.row] - boundary[2][self.wall.other]
-            self.level = np.broadcast_to(level, self.area.shape)
+        some = boundary is not None and boundary[0].shape[1] > 0
+        here = bed[rows] if some and bed is not None else None
+        self.walls = _Walls(x[:, rows], radius, boundary, here, norm) if some else None
 
     def residual(self, depth, support):
         """Return depth - sums [m] and its derivative where the support follows the depth."""
-        fluid = np.bincount(self.fluid.row, self.mass * weight(self.fluid.r, support[self.fluid.row]), self.n)
-        # d(sum)/dd at h ~ 1/sqrt(d): W = d f(r sqrt(d)) gives (2 W + r W') / (2 d)
-        slope = np.bincount(self.fluid.row, self.mass * _slope(self.fluid.r, support[self.fluid.row]), self.n)
+        h = support[self.fluid.row]
+        fluid = np.bincount(self.fluid.row, self.mass * weight(self.fluid.r, h), self.n)
+        # W ~ f(r sqrt(d)) d, so that its derivative by d is (2 W + r W') / (2 d)
+        slope = np.bincount(self.fluid.row, self.mass * _slope(self.fluid.r, h), self.n)
         total, rate = fluid, (2 * fluid + slope) / (2 * depth)
-        if self.wall is not None:
-            row = self.wall.row
-            w = self.area * weight(self.wall.r, support[row])
-            lift = np.maximum(depth[row] + self.level, 0.0)
-            share = np.bincount(row, np.where(lift > 0, w, 0.0), self.n)
-            # the share walls take is bounded as in the stage, so that depth stays finite in a corner
-            bound = np.minimum(1.0, (1 - LEAST_OPEN) * self.norm / np.maximum(share, 1e-300))
-            total = total + bound * np.bincount(row, lift * w, self.n)
-            rate = rate + bound * share
+        if self.walls is not None:
+            more, faster = self.walls(depth, support)
+            total, rate = total + more, rate + faster
         return depth - total / self.norm, 1 - rate / self.norm
 
 
-def depth_of(x, volume, ratio, h_limits, boundary=None, *, bed=None, bias=None, tolerance=1e-12):
+def depth_of(
+    x, volume, ratio, h_limits, boundary=None, *, bed=None, bias=None, reference=None, tolerance=1e-12
+):
     """Return (depth (n,) [m], support (n,) [m]): the fixed point of both, by bracketed Newton steps.
 
     Args:
@@ -112,10 +131,12 @@ def depth_of(x, volume, ratio, h_limits, boundary=None, *, bed=None, bias=None, 
         h_limits: (least, most) support radius [m]; where it binds, depth is the sum at that support.
         boundary: (places (2, m) [m], areas (m,) [m^2]) or with a third entry, elevations of the bed there
             (m,) [m]; walls mirror the stage: each adds max(0, d_i + b_i - z_b) A_b W. Two entries: flat bed.
-        bed: (n,) elevation of the bed at the columns [m], needed with elevations of the boundary.
+        bed: (n,) elevation of the bed at the columns [m], to go with elevations of the boundary.
         bias: of the lattice sum, that of the square lattice unless given.
+        reference: (n,) volume that fixes the support in place of ``volume`` [m^3]: that before `calibrate`.
     """
     x, volume = np.asarray(x, float), np.asarray(volume, float)
+    reference = volume if reference is None else np.asarray(reference, float)
     n = volume.size
     least, most = (np.broadcast_to(np.asarray(limit, float), n) for limit in h_limits)
     bias = lattice_bias(ratio) if bias is None else bias
@@ -125,8 +146,10 @@ def depth_of(x, volume, ratio, h_limits, boundary=None, *, bed=None, bias=None, 
     radius = np.clip(1.25 * _guess(x, ratio), least, most)
     todo = np.arange(n)
     while todo.size:
-        sums = _Sums(x, volume, todo, radius[todo], ratio, bias, boundary, bed)
-        depth[todo], support[todo] = _solve(sums, ratio, least[todo], radius[todo], tolerance)
+        sums = _Sums(x, volume, todo, radius[todo], 1 + bias, boundary, bed)
+        depth[todo], support[todo] = _solve(
+            sums, reference[todo], ratio, least[todo], radius[todo], tolerance
+        )
         todo = todo[(support[todo] >= radius[todo] * (1 - 1e-9)) & (radius[todo] < most[todo])]
         radius[todo] = np.minimum(1.5 * radius[todo], most[todo])
     return depth, support
@@ -139,13 +162,12 @@ def _guess(x, ratio):
     return np.maximum(ratio * far * np.sqrt(np.pi / 13), 1e-300 + far.max(initial=0.0) * 1e-6)
 
 
-def _solve(sums, ratio, least, most, tolerance):
+def _solve(sums, volume, ratio, least, most, tolerance):
     """Return depth and support of the rows of ``sums`` with support in [least, most]."""
 
     def support_of(depth):
         return np.clip(ratio * np.sqrt(volume / depth), least, most)
 
-    volume = sums.volume
     low, high = ratio**2 * volume / most**2, ratio**2 * volume / least**2
     # where a limit of the support binds there is no root: the sum at that support is the depth
     sparse, crowded = sums.residual(low, most)[0] >= 0, sums.residual(high, least)[0] <= 0

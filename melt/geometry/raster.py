@@ -6,6 +6,8 @@ from melt.errors import GeometryError, InputError
 
 #: Edge of a cell in spacings, and the cells of a raster that fit.
 FINE, MOST_CELLS = 0.25, 16_000_000
+#: Steps of the Hilbert curve along a cell, no simple fraction.
+SKEW = 1.618
 #: A cell half wet is cut into this many by as many.
 CUT = 8
 
@@ -99,10 +101,12 @@ class Raster:
         """Return ``count`` points (2, count) in wet places, as dense as ``share`` (ny, nx) of the cells.
 
         Point k stands where the k-th equal part of the sum has its middle along a Hilbert curve: neighbours on
-        the curve are neighbours in the plane, so that every patch gets its number to about one.
+        the curve are neighbours in the plane, so that every patch gets its number to about one. The curve is
+        askew to the cells: along them its squares would hold one point each and start a lattice.
         """
         j, i = np.nonzero(share > 0)
-        order = np.argsort(hilbert(i, j), kind="stable")
+        a, b = SKEW * (i - 0.37 * j), SKEW * (j + 0.37 * i)
+        order = np.argsort(hilbert(np.floor(a - a.min()), np.floor(b - b.min())), kind="stable")
         i, j = i[order], j[order]
         total = np.cumsum(share[j, i])
         pick = np.searchsorted(total, total[-1] * (np.arange(count) + 0.5) / count)
@@ -117,9 +121,9 @@ class Raster:
 
 
 def hilbert(i, j):
-    """Return the place of the cells (i, j), each below 2^16, along a Hilbert curve."""
+    """Return the place of the cells (i, j), along a Hilbert curve."""
     i, j, key = np.array(i, np.int64), np.array(j, np.int64), np.zeros(np.shape(i), np.int64)
-    for level in range(15, -1, -1):
+    for level in range(int(max(i.max(), j.max())).bit_length() - 1, -1, -1):
         side = 1 << level
         a, b = (i & side) > 0, (j & side) > 0
         key += (3 * a ^ b) * side * side
