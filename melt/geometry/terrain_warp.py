@@ -1,5 +1,7 @@
 """Rasters to metres and north-up: reprojection, rotated transforms, other cell sizes, the DEM in degrees."""
 
+import importlib.util
+
 import numpy as np
 
 from melt.errors import GeometryError
@@ -81,9 +83,7 @@ def _unit(raster):
     text = raster.crs.strip()
     if text.upper().startswith(_DEGREES):
         return True, 1.0
-    try:
-        from rasterio.crs import CRS
-    except ImportError:
+    if importlib.util.find_spec("rasterio") is None:
         if "foot" in text.lower():
             need_rasterio(f"{raster.name}, in feet")
         if text.upper() == "EPSG:4326":
