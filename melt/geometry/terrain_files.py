@@ -195,12 +195,15 @@ def _read_asc(path):
     nx, ny = int(head["ncols"]), int(head["nrows"])
     affordable(nx * ny, f"terrain file {path.name}")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # where reading stops is told by the count
-        values = np.fromstring(text[at:], sep=" ")
+        warnings.simplefilter("ignore", DeprecationWarning)  # old NumPy warns and stops at text, new raises
+        try:
+            values = np.fromstring(text[at:], sep=" ")
+        except ValueError:
+            values = np.zeros(0)
     if values.size != nx * ny:
         raise GeometryError(
-            f"terrain file {path.name}: {values.size} values can be read, ncols x nrows = {nx} x {ny} = {nx * ny} "
-            "are promised: it is cut short, or holds text or decimal commas"
+            f"terrain file {path.name}: {values.size or 'not all'} values can be read, ncols x nrows = {nx} x {ny} "
+            f"= {nx * ny} are promised: it is cut short, or holds text or decimal commas"
         )
     dx, dy = head.get("dx", head.get("cellsize")), head.get("dy", head.get("cellsize"))
     if not (dx > 0 and dy > 0):

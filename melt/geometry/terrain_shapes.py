@@ -142,7 +142,7 @@ def valley(x, y, relief=100.0, width=400.0, slope=0.005, wavelength=600.0, octav
 
     ``width``: half width over which the flanks rise. The valley's line is y = 0 on average.
     """
-    line = 0.5 * width * _value_noise(x, 0.0 * x, 3 * wavelength, int(seed) + 7)
+    line = 0.5 * width * _value_noise(x, np.zeros((1, 1)), 3 * wavelength, int(seed) + 7)
     flank = np.abs(y - line) / width
     rise = flank**2 / (1 + flank**2)  # from 0 with no slope in the bed to 1 far out
     ridges, weight, total = 0.0, 1.0, 0.0
@@ -168,13 +168,19 @@ def _square(x, y, centre, dimension):
 
 
 def _value_noise(x, y, wavelength, seed):
-    """Return noise in -1 .. 1: hashed values at a lattice, quintic between (twice differentiable)."""
-    x, y = np.broadcast_arrays(x / wavelength, y / wavelength)
-    i, j = np.floor(x), np.floor(y)
-    u, v = (t * t * t * (t * (6 * t - 15) + 10) for t in (x - i, y - j))
-    i, j = i.astype(np.int64), j.astype(np.int64)
-    low = (1 - u) * _hash(i, j, seed) + u * _hash(i + 1, j, seed)
-    high = (1 - u) * _hash(i, j + 1, seed) + u * _hash(i + 1, j + 1, seed)
+    """Return noise in -1 .. 1: hashed values at a lattice, quintic between (twice differentiable).
+
+    ``x`` (1, nx) and ``y`` (ny, 1): the lattice is hashed once, not once for each of the nodes between.
+    """
+    x, y = np.asarray(x) / wavelength, np.asarray(y) / wavelength
+    (i, u), (j, v) = ((np.floor(t).astype(np.int64), t - np.floor(t)) for t in (x, y))
+    u, v = (t * t * t * (t * (6 * t - 15) + 10) for t in (u, v))
+    columns, rows = (np.unique([k, k + 1]) for k in (i, j))
+    lattice = _hash(columns[None, :], rows[:, None], seed)
+    i, j = np.searchsorted(columns, i), np.searchsorted(rows, j)
+    i1, j1 = np.minimum(i + 1, len(columns) - 1), np.minimum(j + 1, len(rows) - 1)
+    low = (1 - u) * lattice[j, i] + u * lattice[j, i1]
+    high = (1 - u) * lattice[j1, i] + u * lattice[j1, i1]
     return (1 - v) * low + v * high
 
 
@@ -231,5 +237,8 @@ def check(name, given):
 def sample(name, x, y, given):
     """Return the elevation (ny, nx) of a shape at nodes ``x`` (nx,) and ``y`` (ny,)."""
     x, y = np.asarray(x, float)[None, :], np.asarray(y, float)[:, None]
-    bed = SHAPES[name](x, y, **given)
-    return np.array(np.broadcast_to(bed, (y.shape[0], x.shape[1])), dtype=float)
+    bed = np.empty((y.shape[0], x.shape[1]))
+    for start in range(0, len(bed), 512):  # blocks of rows: noise needs several times the room of its result
+        rows = slice(start, start + 512)
+        bed[rows] = SHAPES[name](x, y[rows], **given)
+    return bed

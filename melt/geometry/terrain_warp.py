@@ -1,5 +1,7 @@
 """Rasters to metres and north-up: reprojection, rotated transforms, other cell sizes, the DEM in degrees."""
 
+import importlib.util
+
 import numpy as np
 
 from melt.errors import GeometryError
@@ -81,9 +83,7 @@ def _unit(raster):
     text = raster.crs.strip()
     if text.upper().startswith(_DEGREES):
         return True, 1.0
-    try:
-        from rasterio.crs import CRS
-    except ImportError:
+    if importlib.util.find_spec("rasterio") is None:
         if "foot" in text.lower():
             need_rasterio(f"{raster.name}, in feet")
         if text.upper() == "EPSG:4326":
@@ -176,10 +176,13 @@ def resample(raster, metres, cell):
     factor = (cell / metres[0], cell / -metres[4])
     width, height = (max(1, round(n / k)) for n, k in zip((nx, ny), factor))
     affordable(width * height, raster.name)
-    values = _mean(raster.values, tuple(max(1, round(k)) for k in factor[::-1]))
+    window = tuple(max(1, round(k)) for k in factor[::-1])
+    values = _mean(raster.values, window)
+    # a mean over an even number of nodes stands half a node before the node that holds it
+    corner = tuple(-0.5 * (1 - k % 2) for k in window[::-1])
     a, _, c, _, e, f = raster.transform
     pixel = (factor[0], 0.0, 0.0, 0.0, factor[1], 0.0)
-    values = _sample(values, pixel, (height, width), np.eye(2), (0.0, 0.0))
+    values = _sample(values, pixel, (height, width), np.eye(2), corner)
     notes = [*raster.notes, f"resampled to {width} x {height} nodes"]
     fine = Raster(values, (a * factor[0], 0.0, c, 0.0, e * factor[1], f), raster.crs, raster.name, notes=notes)
     return fine, (cell, 0.0, metres[2], 0.0, -cell, metres[5])
