@@ -56,8 +56,8 @@ class Water(Section):
     """Random displacement of equal_area and hexagonal layouts, in spacings, before they are evened out."""
     even: bool = True
     """Shift columns to an even spacing before the start."""
-    calibrate: bool = True
-    """Adjust masses until the depth at each column is what the fill says (its total stays)."""
+    calibrate: bool = False
+    """Adjust the volume of each column until the depth there is what the fill says; not beside free edges of water."""
     settle: Annotated[quantity("time", at_least=0), Field()] = 0.0
     """Relaxation start: let the water come to rest for at most this long before t = 0."""
     seed: NonNegativeInt = 0

@@ -1,9 +1,11 @@
 """Scene tables of a flood that place water, obstacles and gauges. Plane vectors are (x, y), z is up."""
 
-from typing import Literal
+import difflib
+from typing import Any, Literal
 
 from pydantic import model_validator
 
+from melt.flood.profiles import PROFILES
 from melt.scene.quantities import (
     Angle,
     Length,
@@ -42,7 +44,9 @@ class Pool(Section):
     stage: Length | None = None
     """Elevation of the surface; the depth is what it stands above the bed."""
     profile: str | None = None
-    """Name of an analytic start."""
+    """Name of an analytic start: thacker_planar, thacker_radial, thacker_channel, solitary, channel."""
+    parameters: dict[str, Any] = {}
+    """Parameters of the profile, by name, in SI."""
     velocity: Velocity2 = [0.0, 0.0]
 
     @model_validator(mode="after")
@@ -56,6 +60,12 @@ class Pool(Section):
         if self.lower is not None:
             _box(self.lower, self.upper)
         given = [key for key in ("depth", "stage", "profile") if getattr(self, key) is not None]
+        if self.profile is not None and self.profile not in PROFILES:
+            close = difflib.get_close_matches(self.profile, PROFILES, 1)
+            hint = f"did you mean {close[0]!r}? " if close else ""
+            raise ValueError(f"there is no profile {self.profile!r}; {hint}known: {', '.join(PROFILES)}")
+        if self.parameters and self.profile is None:
+            raise ValueError("parameters belong to a profile: name it (profile), or remove them")
         if len(given) != 1:
             raise ValueError(f"give exactly one of depth, stage and profile, not {' and '.join(given) or 'none'}")
         return self
