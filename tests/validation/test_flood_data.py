@@ -66,12 +66,12 @@ def test_conical_island(name):
 
 
 def test_solitary_beach():
-    """The laws of the run-up on all 77 runs: mean deviation 9 %."""
+    """The laws of the run-up on all 77 runs: mean deviation 7 %."""
     beach = case(data.solitary_beach)
     H, R, d = beach.runup.T
     assert len(H) == 77 and 0.05 < d.min() and d.max() < 0.4
     off = norms.relative_error(exact.plane_beach_runup(H), R)
-    assert off.mean() < 0.12
+    assert off.mean() < 0.08
     assert len(beach.profiles) == 9 and beach.profiles[0.3, 15.0].shape[1] == 2
     assert beach.bed([-1, 19.85, 30]).tolist() == pytest.approx([1 / 19.85, -1, -1])
 
