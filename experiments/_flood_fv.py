@@ -2,7 +2,8 @@
 
 Square cells, HLL fluxes, hydrostatic reconstruction of the bed (Audusse et al. 2004): well balanced, never negative.
 First order with Euler steps, or second order with minmod slopes (stage, depth, velocity) and Heun steps. Manning's
-friction is point-implicit. NumPy, float64; arrays [ny, nx], x along the last axis.
+friction is point-implicit. NumPy, float64; arrays [ny, nx], x along the last axis. At first order the steps of a sloping bed
+brake: with a fall of 0.2 depths per cell an even flow is 5 % too slow, at second order it is right.
 """
 
 import numpy as np
@@ -14,9 +15,9 @@ SIDES = ("west", "east", "south", "north")
 
 
 def hll(dl, ul, dr, ur, g=G):
-    """Return mass and momentum flux of the HLL solver between states left and right; also a function of the upwind side.
+    """Return fluxes of mass and momentum between states left and right, and the function (utl, utr) -> flux of d ut.
 
-    Speeds: the outermost of both sides, and the tip's u -+ 2c where one side is dry. Third value: flux of ``ut`` given (utl, utr).
+    F = (s+ F_l - s- F_r + s+ s- (U_r - U_l))/(s+ - s-); the speeds are the outermost of both sides, and a tip's u -+ 2c where one is dry.
     """
     cl, cr = np.sqrt(g * dl), np.sqrt(g * dr)
     slow = np.where(dl > 0, np.minimum(ul - cl, np.where(dr > 0, ur - cr, np.inf)), ur - 2 * cr)
@@ -28,7 +29,7 @@ def hll(dl, ul, dr, ur, g=G):
         return (fast * fl - slow * fr + fast * slow * (wr - wl)) / width
 
     ql, qr = dl * ul, dr * ur
-    mass = flux(ql, qr, ql * 0 + dl, dr)
+    mass = flux(ql, qr, dl, dr)
     momentum = flux(ql * ul + 0.5 * g * dl**2, qr * ur + 0.5 * g * dr**2, ql, qr)
     return mass, momentum, lambda utl, utr: flux(ql * utl, qr * utr, dl * utl, dr * utr)
 
@@ -71,7 +72,8 @@ class Basin:
     """Depth and discharge on a grid.
 
     bed, depth: (ny, nx) [m]; velocity: (2, ny, nx) [m/s]; spacing [m]; manning and source [m/s] (rain, inflow over area): numbers
-    or (ny, nx). edges: side -> "wall" (default), "open", or a function of time that gives the stage [m].
+    or (ny, nx). edges: side -> "wall" (default), "open", or a function of time that gives the stage [m]; an imposed stage sends
+    waves from inside back upside down. At second order a cell that would turn negative is clipped: about 1e-7 of the volume.
     """
 
     def __init__(self, bed, depth, spacing, velocity=None, manning=0.0, source=0.0, order=1, edges=None, g=G, cfl=None):
@@ -143,8 +145,8 @@ class Basin:
         new = state + dt * rate
         new[0] = np.maximum(new[0] + dt * self.source, 0.0)
         if np.any(self.manning):
-            speed = np.hypot(*_velocity(new))
-            new[1:] /= 1 + dt * self.g * self.manning**2 * speed / np.maximum(new[0], 1e-3) ** (4 / 3)
+            # with the speed before the step an even flow balances slope and friction exactly; with the one after it is dt g S/2v too slow
+            new[1:] /= 1 + dt * self.g * self.manning**2 * np.hypot(u, v) / np.maximum(new[0], 1e-3) ** (4 / 3)
         return new
 
     def _padded(self, d, un, ut, bed, low, high, time):

@@ -40,9 +40,14 @@ def shock_position(x, depth, high, low):
 
 
 def jump_position(x, stage, low, high, after=-np.inf):
-    """Return the first x [m] beyond ``after`` where the stage rises through the mean of ``low`` and ``high``."""
-    keep = np.asarray(x) > after
-    return -front_position(-np.asarray(x, float)[keep], -np.asarray(stage, float)[keep] + low + high, 0.5 * (high + low))
+    """Return the first x [m] beyond ``after`` where the stage rises through the mean of ``low`` and ``high``; NaN if it never does."""
+    order = np.argsort(x)
+    x, stage, middle = np.asarray(x, float)[order], np.asarray(stage, float)[order], 0.5 * (low + high)
+    rises = np.flatnonzero((stage[:-1] <= middle) & (stage[1:] > middle) & (x[1:] > after))
+    if not len(rises):
+        return float("nan")
+    i = rises[0]
+    return float(x[i] + (x[i + 1] - x[i]) * (middle - stage[i]) / (stage[i + 1] - stage[i]))
 
 
 def fit_oscillation(t, y, period):
