@@ -70,6 +70,8 @@ def settings_of(scene, initial):
         gauges=[gauge.name for gauge in scene.gauge],
         nodes=initial.map_nodes,
         sources=initial.sources,
+        datum=initial.terrain.datum,
+        column_volume=scene.column_volume,
     )
 
 
