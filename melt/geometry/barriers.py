@@ -1,14 +1,18 @@
 """Boundary points of walls and obstacles in the plane, each with the area it stands for.
 
-Measured beside a straight wall, points at r0/2, support 2.66 r0, share gamma = sum A_b W against the half plane's
-integral: with the area of the cell a point stands for it is off by at most 0.07 % of 1, with the areas of Akinci
-et al. 2012 (1 / sum W over boundary points) by XXX: a layer at the edge lacks neighbours and counts for more
-than it covers. Cells are therefore what `rectangle_walls` and `obstacle_boundary` return.
+Measured beside a straight wall, points every r0/2, support 2.66 r0: with the area of the cell that a point stands
+for, the share sum A_b W a wall takes of a support is at most 0.0042 below the half plane's integral (0.0018 at r0/3);
+with the areas of Akinci et al. 2012, 1 / sum W over boundary points, it is up to 0.18 above it, because the layers
+at the faces lack neighbours (1.59, 1.19, 1.05 times their cells). Water 1 m deep at rest then stands 18.7 % too high
+in the row along the wall, and within 0.5 % with cells. `rectangle_walls` and `obstacle_boundary` return cells.
+(Water on a square lattice is 1.9 % too high there: its own rows miss that much of the integral; exact only with the
+wall on the same lattice, where relaxed water is 1.4 % too low.)
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
 from melt.errors import InputError
@@ -142,8 +146,6 @@ def mask_boundary(blocked, lower, cell, spacing, thickness):
         lower: (2,) corner of the grid [m].
         cell: (2,) edges of a cell [m], divided into whole steps of at most ``spacing``.
     """
-    from scipy.ndimage import distance_transform_edt
-
     blocked, cell = np.asarray(blocked, bool), np.asarray(cell, float)
     # beyond the grid nothing is known to be water: its rim does not count as an edge
     deep = distance_transform_edt(blocked, sampling=cell[::-1]) if not blocked.all() else np.zeros(blocked.shape)

@@ -30,7 +30,7 @@ def depth_in(pool, bed):
     return lambda x, y: np.maximum(pool.stage - bed(x, y), 0.0)
 
 
-def dry_in(outlines, region=None):
+def without(outlines, region=None):
     """Return a region without the obstacles in it: water does not start inside of them."""
 
     def free(x, y):

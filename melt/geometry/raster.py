@@ -4,8 +4,8 @@ import numpy as np
 
 from melt.errors import GeometryError, InputError
 
-#: Edge of a cell in spacings, and the cells of a raster that fit.
-FINE, MOST_CELLS = 0.25, 16_000_000
+#: Edge of a cell in spacings, that where there would be more than so many cells, and the cells that fit at all.
+FINE, COARSE, MANY, MOST_CELLS = 0.25, 0.5, 4_000_000, 40_000_000
 #: Steps of the Hilbert curve along a cell, no simple fraction.
 SKEW = 1.618
 #: A cell half wet is cut into this many by as many.
@@ -35,7 +35,8 @@ class Raster:
         self.depth = depth
         lower, upper = self._wet_box(lower, upper, spacing)
         self.lower, self.upper = lower, upper
-        shape = np.maximum(np.ceil((upper - lower) / (FINE * spacing)).astype(np.int64), 4)
+        edge = np.clip(np.sqrt(np.prod(upper - lower) / MANY) / spacing, FINE, COARSE)
+        shape = np.maximum(np.ceil((upper - lower) / (edge * spacing) - 1e-9).astype(np.int64), 4)
         if shape.prod() > MOST_CELLS:
             raise GeometryError(
                 f"water over {upper - lower} m at spacing {spacing:g} m needs {shape.prod():.3g} cells of start depth, "
@@ -58,7 +59,7 @@ class Raster:
         return np.maximum(np.broadcast_to(d, np.shape(x)), 0.0)
 
     def _wet_box(self, lower, upper, spacing):
-        """Return the box of what a look at every spacing finds wet, two spacings wider."""
+        """Return the box of what a look at every spacing finds wet, two spacings wider (narrower water may be missed)."""
         shape = np.ceil((upper - lower) / spacing).astype(np.int64)
         if shape.prod() > MOST_CELLS:
             raise GeometryError(f"a box of {upper - lower} m has {shape.prod():.3g} columns at spacing {spacing:g} m")
