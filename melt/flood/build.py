@@ -7,6 +7,7 @@ import numpy as np
 from melt.errors import GeometryError
 from melt.flood import pools, walls
 from melt.flood.bed import bed_at
+from melt.flood.plan import grid_values
 from melt.flood.sources import Sources
 from melt.geometry.build import Initial
 from melt.geometry.shapes import affordable
@@ -53,10 +54,11 @@ def build_flood(scene):
     nodes, samples = _samples(scene, terrain)
     arrays.update(samples)
     arrays.update(sources.zone_fields())
-    walls.by_cell(scene, arrays)
-    return FloodInitial(
+    initial = FloodInitial(
         arrays, scene.spacing, low, high, [], [], [], notes, terrain=terrain, sources=sources, map_nodes=nodes,
     )
+    walls.sort_boundary(arrays, grid_values(scene, initial))
+    return initial
 
 
 def spare_slots(scene, start, sources):

@@ -74,11 +74,6 @@ def wall_distance(terrain, outlines):
     return found
 
 
-def by_cell(scene, arrays):
-    """Leave a place for the boundary's cells; `sort_boundary` fills it when the grid is known."""
-    arrays["boundary_start"] = arrays["boundary_ring"] = np.zeros(0, np.int32)
-
-
 def sort_boundary(arrays, grid):
     """Sort boundary particles by cell of the neighbour grid, and fill boundary_start and boundary_ring.
 
