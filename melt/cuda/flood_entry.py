@@ -52,10 +52,13 @@ def _enter(
     h = support_of(V, flood.reference_depth, flood)
     phase[i], id[i] = LIQUID, first_id + k
     for a in range(3):
-        position[a, i] = position_before[a, i] = entry_position[a, k]
-        velocity[a, i] = entry_velocity[a, k]
+        position[a, i], velocity[a, i] = entry_position[a, k], entry_velocity[a, k]
+        if position_before.shape[1] > 0:  # none without a control force
+            position_before[a, i] = entry_position[a, k]
     mass[i], rest_volume[i], support_radius[i] = density * V, V, h
-    depth[i], brake[i] = V * (flood.ratio / h) * (flood.ratio / h), real(0)
+    depth[i] = V * (flood.ratio / h) * (flood.ratio / h)
+    if brake.shape[0] > 0:
+        brake[i] = real(0)
 
 
 def enter(

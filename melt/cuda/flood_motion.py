@@ -31,7 +31,8 @@ def _flood_drift(phase, velocity, basin, dt, position, position_before):
     if phase[i] != LIQUID and phase[i] != AIRBORNE:
         return
     x, y, z = position[0, i], position[1, i], position[2, i]
-    position_before[0, i], position_before[1, i], position_before[2, i] = x, y, z
+    if position_before.shape[1] > 0:  # none without a control force
+        position_before[0, i], position_before[1, i], position_before[2, i] = x, y, z
     dx, dy = cut_move(dt * velocity[0, i], dt * velocity[1, i], basin.longest_move)
     position[0, i], position[1, i] = x + wide(dx), y + wide(dy)
     if phase[i] == AIRBORNE:

@@ -28,14 +28,18 @@ def enter(
         density [kg/m^3] of water.
     Writes: phase, id, position and position_before [m], velocity [m/s], mass [kg], rest_volume [m^3],
         support_radius [m], depth [m], brake (0) of those slots; others keep theirs.
+        position_before and brake have length 0 without a control force.
     """
     rows, slots = slice(0, int(count)), slice(int(slot), int(slot) + int(count))
     V = entry_volume[rows].astype(np.float64)
     ratio = float(flood.ratio)
     h = np.clip(ratio * np.sqrt(V / float(flood.reference_depth)), float(flood.smallest), float(flood.largest))
     phase[slots], id[slots] = 0, int(first_id) + np.arange(int(count))
-    position[:, slots] = position_before[:, slots] = entry_position[:, rows]
+    position[:, slots] = entry_position[:, rows]
+    if position_before.shape[1]:
+        position_before[:, slots] = entry_position[:, rows]
     velocity[:, slots] = entry_velocity[:, rows]
     mass[slots], rest_volume[slots] = float(density) * V, V
     support_radius[slots], depth[slots] = h, V * (ratio / h) ** 2
-    brake[slots] = 0
+    if brake.shape[0]:
+        brake[slots] = 0

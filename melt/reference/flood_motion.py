@@ -23,10 +23,12 @@ def flood_drift(phase, velocity, basin, dt, position, position_before):
     """Move columns by dt and keep where they were; a move in the plane longer than ``longest_move`` is cut to it.
 
     Reads: phase (n,), velocity (3, n) [m/s].
-    Writes: position (3, n), position_before (3, n) [m] of liquid and airborne columns; others keep theirs.
+    Writes: position (3, n), position_before (3, n, or 3, 0 without a control force) [m] of liquid and airborne
+        columns; others keep theirs.
     """
     on, falling, dt = (phase == 0) | (phase == 6), phase == 6, float(dt)
-    position_before[:, on] = position[:, on]
+    if position_before.shape[1]:
+        position_before[:, on] = position[:, on]
     move = dt * velocity[:, on].astype(np.float64)
     length, most = np.hypot(move[0], move[1]), float(basin.longest_move)
     with np.errstate(invalid="ignore"):  # infinite: comes out as NaN
