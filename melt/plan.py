@@ -49,6 +49,7 @@ class Prepared:
     fields: list  # names, allocated
     warnings: list = field(default_factory=list)
     steadier: str = "fluid.alpha"  # what to raise in a run that is not stable
+    begin: object = None  # begin(simulation, writer): what is written before the first frame
     finish: object = None  # finish(simulation, writer, say): what is written when the run ends
     ledger: object = diagnostics  # the module that has `SERIES` and `series`
 
@@ -209,7 +210,7 @@ def _flood(scene, initial, precision):
     need, settings = flood_plan.needs(scene, initial), flood_plan.settings_of(scene, initial)
     params = flood_plan.params_of(scene, initial, REAL[precision])
     sizes = flood_plan.sizes_of(scene, initial, params)
-    prepared = Prepared(flood.step, flood, need, settings, params, sizes, precision, [], {}, [], [], "solver.alpha", flood_maps.finish, flood_ledger)
+    prepared = Prepared(flood.step, flood, need, settings, params, sizes, precision, [], {}, [], [], "solver.alpha", flood_maps.begin, flood_maps.finish, flood_ledger)
     always = set(ALWAYS) - {"material"}
     return _recorded(prepared, initial, scene.time.dt, always, flood_plan.absent_of(need, initial))
 

@@ -226,6 +226,8 @@ def run(
                 say("warning", message=finding.advice)
                 sim.told.add(finding.text.split()[0])
         if writer:
+            if sim.prepared.begin:
+                sim.prepared.begin(sim, writer)
             _append(writer, sim, say)
             checkpoint.discard(checkpoint.beside(writer.path))  # of the run that it replaced
         return _loop(sim, writer, say, total)

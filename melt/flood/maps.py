@@ -31,16 +31,27 @@ def maps_of(sim):
     return found
 
 
+def begin(sim, writer):
+    """Write the bed into a run file that begins: pictures are drawn on it."""
+    terrain = sim.initial.terrain
+    bed = np.where(terrain.blocked, np.nan, terrain.elevation + terrain.datum).astype(np.float32)
+    writer.store({"bed": bed}, facts_of(terrain))
+
+
+def facts_of(terrain):
+    """Return what a reader needs to place maps: local frame, georeference."""
+    return {
+        "lower": list(terrain.lower), "cell": list(terrain.cell), "origin": list(terrain.origin), "datum": terrain.datum,
+        "transform": list(terrain.transform), "crs": terrain.crs or "", "rows": "south to north",
+    }
+
+
 def finish(sim, writer, say):
     """Write the maps of a run that ended: into its file, and beside it as rasters, if the scene wants them."""
     maps, terrain = maps_of(sim), sim.initial.terrain
     if not maps:
         return
-    attributes = {
-        "lower": list(terrain.lower), "cell": list(terrain.cell), "origin": list(terrain.origin), "datum": terrain.datum,
-        "transform": list(terrain.transform), "crs": terrain.crs or "", "rows": "south to north",
-    }
-    writer.store({**maps, "bed": (terrain.elevation + terrain.datum).astype(np.float32)}, attributes)
+    writer.store(maps, facts_of(terrain))
     beside = terrain_beside(writer.path)
     write_terrain(beside, terrain)
     say("written", message=f"terrain for ParaView: {beside}")

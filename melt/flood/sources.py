@@ -147,10 +147,10 @@ class Sources:
                 continue
             times = np.linspace(0.0, stop, 400)
             depth = np.array([edge.wanted(t) for t in times])
-            swing = np.maximum(np.diff(depth, prepend=depth[0]), 0).sum()
-            most = depth.max(initial=0.0)
-            wave = math.sqrt(self.gravity * max(most, 1e-9))
-            total += (edge.high - edge.low) * wave * stop * (0.05 * most + min(swing, most))
+            wave = math.sqrt(self.gravity * max(depth.max(initial=0.0), 1e-9))
+            # what a wave above the first level carries in, and a little for what the water inside asks for
+            above = np.maximum(depth - depth[0], 0.0).mean() + 0.02 * depth.max(initial=0.0)
+            total += (edge.high - edge.low) * wave * stop * above
         return total
 
     def zone_fields(self):

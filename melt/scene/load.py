@@ -2,6 +2,7 @@
 
 import copy
 import difflib
+import os
 import pathlib
 import tomllib
 
@@ -12,7 +13,6 @@ from melt.scene.messages import explain
 from melt.scene.model import Scene
 from melt.scene.flood import FloodScene
 from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, OPTIONAL_SECTIONS, PRESETS
-from melt.scene.terrain import resolve_terrain_files
 
 
 def data_folder():
@@ -103,7 +103,8 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         model, defaults = FloodScene, FLOOD_PRESETS
     _fill_in(data, defaults.get(chosen, {}))
     _resolve_meshes(data, folder)
-    resolve_terrain_files(data, folder)
+    if "terrain" in data:
+        _resolve_files(data, [folder] if folder else [])
     heat = data.get("heat")
     law = heat.get("law", "paper") if isinstance(heat, dict) else "paper"
     try:
@@ -163,6 +164,29 @@ def _fill_table(table, values):
             table.setdefault(key, value)
         elif isinstance(table.get(key), dict) or (key not in table and key not in OPTIONAL_SECTIONS):
             _fill_table(table.setdefault(key, {}), value)
+
+
+def data_places():
+    """Return the folders in which files of measured cases are looked for: MELT_DATA, or ../shared/data of a checkout."""
+    given = os.environ.get("MELT_DATA")
+    beside = [pathlib.Path("..") / "shared" / "data", pathlib.Path(__file__).resolve().parents[3] / "shared" / "data"]
+    return [pathlib.Path(given)] if given else beside
+
+
+def _resolve_files(item, places):
+    """Make the files that a flood names absolute: beside the scene, or in one of `data_places`."""
+    if isinstance(item, list):
+        for inner in item:
+            _resolve_files(inner, places)
+    if not isinstance(item, dict):
+        return
+    for key, value in item.items():
+        if key in ("file", "raster") and isinstance(value, str):
+            there = (pathlib.Path(place) / value for place in [*places, *data_places()])
+            found = next((path for path in there if path.is_file()), None)
+            item[key] = str(found.resolve()) if found else value
+        else:
+            _resolve_files(value, places)
 
 
 def _resolve_meshes(data, folder):
