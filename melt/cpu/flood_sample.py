@@ -1,36 +1,17 @@
-"""CPU twin of `melt.reference.flood_sample`."""
+"""CPU twin of `melt.reference.flood_sample`.
+
+A third of the columns in reach count, in rows of about 20: a loop without branches, or a list of those that count
+first, takes the same time (measured: 140 ns a wet point, 10 ns a dry one, one thread, float32).
+"""
 
 import math
 
 import numpy as np
 
-from melt._compile import cpu_helper, cpu_stage, prange
+from melt._compile import cpu_stage, prange
 from melt.physics.flood import W2
 from melt.physics.phases import LIQUID
 from melt.physics.search import axis_cell
-
-
-@cpu_helper
-def _row_sums(start, stop, x_s, y_s, position, velocity, phase, rest_volume, depth, bed, support_radius, flood):
-    """Return sums of A W, A W eta, A W |v| and V W over contiguous columns; without a branch, so that they vectorise."""
-    real = type(flood.sigma)
-    wide = position.dtype.type
-    cover = surface = speed = column = wide(0)
-    for j in range(np.uint64(start), np.uint64(stop)):
-        x, y, h = real(position[0, j] - x_s), real(position[1, j] - y_s), support_radius[j]
-        r2 = x * x + y * y
-        on = phase[j] == LIQUID and r2 < h * h
-        # what does not count may hold anything: 0 times infinity would be NaN
-        VW = rest_volume[j] * W2(math.sqrt(r2), h, flood) if on else real(0)
-        d = depth[j] if on else real(1)
-        eta = bed[j] + d if on else real(0)
-        u, v = velocity[0, j] if on else real(0), velocity[1, j] if on else real(0)
-        AW = VW / d
-        cover += AW
-        surface += AW * eta
-        speed += AW * math.sqrt(u * u + v * v)
-        column += VW
-    return cover, surface, speed, column
 
 
 @cpu_stage
@@ -53,12 +34,18 @@ def flood_sample(
             cover = surface = speed = column = wide(0)
             for row in range(max(c_y - rings, 0), min(c_y + rings + 1, grid.ny)):
                 start, stop = cell_start[row * grid.nx + first_x], cell_start[row * grid.nx + last_x + 1]
-                if start == stop:
-                    continue
-                a, b, c, d = _row_sums(
-                    start, stop, x_s, y_s, position, velocity, phase, rest_volume, depth, bed, support_radius, flood
-                )
-                cover, surface, speed, column = cover + a, surface + b, speed + c, column + d
+                for j in range(np.uint64(start), np.uint64(stop)):
+                    x, y, h = real(position[0, j] - x_s), real(position[1, j] - y_s), support_radius[j]
+                    r2 = x * x + y * y
+                    if phase[j] != LIQUID or not r2 < h * h:
+                        continue
+                    VW = rest_volume[j] * W2(math.sqrt(r2), h, flood)
+                    AW = VW / depth[j]
+                    u, v = velocity[0, j], velocity[1, j]
+                    cover += AW
+                    surface += AW * (bed[j] + depth[j])
+                    speed += AW * math.sqrt(u * u + v * v)
+                    column += VW
             sample_column[s] = real(column)
             level, fast = sample_bed[s], real(0)
             if not cover <= wide(sampling.cover):
