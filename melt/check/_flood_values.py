@@ -13,7 +13,7 @@ SCALES = dict(
 )
 
 FLOOD = dict(
-    gravity=9.81, kernel=0, sigma=SIGMA, ratio=RATIO, smallest=SMALLEST, largest=LARGEST, growth=GROWTH, iterations=3, tolerance=1e-5,
+    gravity=9.81, kernel=0, sigma=SIGMA, ratio=RATIO, smallest=SMALLEST, largest=LARGEST, growth=GROWTH, iterations=3, tolerance=1e-3,
     form=0, stiffness=10.0, reference_depth=0.75, clamp=0, lax_friedrichs=0.8, viscosity=0.05, wall_mirror=1, shortest_wall=0.3,
     front=0.02,
 )
@@ -31,7 +31,7 @@ SCALARS = {
 }
 
 SWITCHES = {
-    "flood": {"kernel": (0, 1), "form": (0, 1, 3), "iterations": (0, 3), "wall_mirror": (0, 1), "lax_friedrichs": (0.0, 0.8)},
+    "flood": {"kernel": (0, 1), "form": (0, 1, 3), "iterations": (0, 1, 3), "wall_mirror": (0, 1), "lax_friedrichs": (0.0, 0.8)},
     "terrain_grid": {"sampler": (0, 1, 2)},
     "control": {"mode": (0, 1, 2), "slope_full": (0.0, 0.4), "longest": (1.0, 100.0)},
     "basin": {"west": (0, 1), "east": (0, 1), "south": (0, 1), "north": (0, 1), "guard": (0, 1)},

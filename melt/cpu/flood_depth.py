@@ -16,10 +16,9 @@ LANES = 32
 
 
 @cpu_helper
-def _gather(i, position, volume, count, index, r, V):
-    """Fill r and V with distances and volumes of the listed columns."""
+def _gather(i, x_i, y_i, position, volume, count, index, r, V):
+    """Fill r and V with the distances of the places listed for column i and their volumes (or areas)."""
     real = volume.dtype.type
-    x_i, y_i = position[0, i], position[1, i]
     for k in range(np.uint64(count)):
         j = np.uint64(index[i, k])
         x, y = real(x_i - position[0, j]), real(y_i - position[1, j])
@@ -107,7 +106,8 @@ def _columns(
         if phase[i] != LIQUID and phase[i] != AIRBORNE:
             continue
         count = np.int64(neighbour_count[i])
-        _gather(i, position, rest_volume, count, neighbour_index, r, V)
+        x_i, y_i = position[0, i], position[1, i]
+        _gather(i, x_i, y_i, position, rest_volume, count, neighbour_index, r, V)
         if phase[i] == AIRBORNE:
             inverse = real(1) / support_radius[i]
             sum_w, _ = _water(count, r, V, inverse, flood, wide(0))
@@ -118,7 +118,7 @@ def _columns(
         walls = np.int64(0)
         if wall_count.shape[0] > 0:
             walls = np.int64(wall_count[i])
-            _gather(i, boundary_position, boundary_area, walls, wall_index, r_b, area)
+            _gather(i, x_i, y_i, boundary_position, boundary_area, walls, wall_index, r_b, area)
             for k in range(np.uint64(walls)):
                 above[k] = real(wide(bed[i]) - boundary_position[2, np.uint64(wall_index[i, k])])
         h, d, omega, solved = _solve(rest_volume[i], support_radius[i], size, r, V, walls, r_b, area, above, flood, wide(0))
