@@ -38,13 +38,13 @@ def columns(scene, terrain, outlines, distance, boundary, notes):
     return x, volume, depth, velocity
 
 
-def flow_of(pool, terrain, gravity, sampler, name):
-    """Return the function of local x, y that gives (depth, u, v) of a pool.
+def flow_of(pool, terrain, gravity, sampler, name, time=None):
+    """Return the function of local x, y that gives (depth, u, v) of a pool, at ``time`` [s] where its profile knows.
 
     Raises:
         SceneError: an unknown profile, or a parameter that it does not have.
     """
-    parameters = dict(pool.parameters)
+    parameters = dict(pool.parameters) | ({} if time is None else {"time": time})
     if pool.profile is not None:
         known = list(inspect.signature(PROFILES[pool.profile]).parameters)[4:]
         for key in parameters:

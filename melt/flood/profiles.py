@@ -7,26 +7,30 @@ Each profile takes world coordinates x, y (arrays) [m], the bed elevation b ther
 import numpy as np
 
 
-def thacker_planar(x, y, b, g, a=1.0, h0=0.1, eta=0.5, centre=(0.0, 0.0)):
-    """Planar surface in a paraboloid b = -h0 (1 - r^2/a^2), at its turning point: it revolves as a plane."""
-    X = x - centre[0]
-    surface = h0 * eta / a**2 * (2 * X - eta)
+def thacker_planar(x, y, b, g, a=1.0, h0=0.1, eta=0.5, centre=(0.0, 0.0), time=0.0):
+    """Planar surface in a paraboloid b = -h0 (1 - r^2/a^2): it revolves as a plane."""
     omega = np.sqrt(2 * g * h0) / a
-    return np.maximum(surface - b, 0.0), np.zeros_like(x), np.full_like(x, eta * omega)
+    c, s = np.cos(omega * time), np.sin(omega * time)
+    surface = h0 * eta / a**2 * (2 * (x - centre[0]) * c + 2 * (y - centre[1]) * s - eta)
+    return np.maximum(surface - b, 0.0), np.full_like(x, -eta * omega * s), np.full_like(x, eta * omega * c)
 
 
-def thacker_radial(x, y, b, g, a=1.0, h0=0.1, shoreline=0.8, centre=(0.0, 0.0)):
-    """Axisymmetric surface in the same paraboloid, at rest: it swells and sinks."""
-    r2 = (x - centre[0]) ** 2 + (y - centre[1]) ** 2
+def thacker_radial(x, y, b, g, a=1.0, h0=0.1, shoreline=0.8, centre=(0.0, 0.0), time=0.0):
+    """Axisymmetric surface in the same paraboloid, at rest at first: it swells and sinks."""
+    X, Y, omega = x - centre[0], y - centre[1], np.sqrt(8 * g * h0) / a
     A = (a**4 - shoreline**4) / (a**4 + shoreline**4)
-    surface = h0 * (np.sqrt(1 - A**2) / (1 - A) - 1 - r2 / a**2 * ((1 - A**2) / (1 - A) ** 2 - 1))
-    return np.maximum(surface - b, 0.0), np.zeros_like(x), np.zeros_like(x)
+    even = 1 - A * np.cos(omega * time)
+    surface = h0 * (np.sqrt(1 - A**2) / even - 1 - (X**2 + Y**2) / a**2 * ((1 - A**2) / even**2 - 1))
+    rate = 0.5 * omega * A * np.sin(omega * time) / even
+    return np.maximum(surface - b, 0.0), rate * X, rate * Y
 
 
-def thacker_channel(x, y, b, g, a=1.0, h0=0.5, amplitude=0.5, centre=(0.0, 0.0)):
-    """Planar surface in a parabolic channel b = h0 (X^2/a^2 - 1), tilted and at rest: it swings."""
-    surface = h0 * amplitude / a**2 * (2 * (x - centre[0]) - amplitude)
-    return np.maximum(surface - b, 0.0), np.zeros_like(x), np.zeros_like(x)
+def thacker_channel(x, y, b, g, a=1.0, h0=0.5, amplitude=0.5, centre=(0.0, 0.0), time=0.0):
+    """Planar surface in a parabolic channel b = h0 (X^2/a^2 - 1), tilted and at rest at first: it swings."""
+    omega = np.sqrt(2 * g * h0) / a
+    X = amplitude * np.cos(omega * time)
+    surface = h0 / a**2 * (2 * (x - centre[0]) * X - X**2)
+    return np.maximum(surface - b, 0.0), np.full_like(x, -amplitude * omega * np.sin(omega * time)), np.zeros_like(x)
 
 
 def solitary(x, y, b, g, height=0.1, depth=1.0, crest=0.0, level=0.0, direction=1.0):
