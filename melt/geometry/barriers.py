@@ -77,7 +77,13 @@ def obstacle_boundary(outline, spacing, thickness):
 
     Boxes are divided into whole cells along their edges, circles into rings, polygons into cells of a lattice, cut at
     the edge. The areas sum to that of the outline, where it is filled.
+
+    Raises:
+        InputError: a spacing or thickness that is not above 0.
+        GeometryError: a polygon without area, or too many points.
     """
+    if not (spacing > 0 and thickness > 0):
+        raise InputError(f"obstacle with spacing {spacing} m and thickness {thickness} m: both above 0")
     lower, upper = corners(outline)
     affordable(np.prod((upper - lower) / spacing), f"{outline.shape} of boundary points")
     if outline.shape == "box":
