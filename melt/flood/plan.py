@@ -7,7 +7,7 @@ import numpy as np
 
 from melt import params as P
 from melt import params_flood as F
-from melt.flood.lattice import normalisation
+from melt.flood.lattice import sigma_of
 
 KERNELS = {"cubic": P.CUBIC, "wendland2": P.WENDLAND2}
 FORMS = {
@@ -105,7 +105,7 @@ def params_of(scene, initial, real):
         real,
         gravity=scene.gravity,
         kernel=KERNELS[s.kernel],
-        sigma=normalisation(s.kernel, s.support, "hexagonal" if scene.fluid.layout == "hexagonal" else "square"),
+        sigma=sigma_of(scene),
         ratio=s.support,
         smallest=limits[0],
         largest=limits[1],

@@ -6,7 +6,7 @@ import numpy as np
 
 from melt.errors import GeometryError, SceneError
 from melt.flood.bed import bed_at
-from melt.flood.lattice import normalisation
+from melt.flood.lattice import sigma_of
 from melt.flood.profiles import PROFILES
 from melt.flood.walls import extent
 from melt.geometry.calibration import calibrate
@@ -105,7 +105,7 @@ def _one(scene, terrain, outlines, pool, name, earlier, notes):
 
 def _calibrated(scene, x, volume, depth, wall, bed, notes):
     """Return volumes whose sums are the depths that the pools ask for, and those sums."""
-    bias = 1 / normalisation("cubic", scene.solver.support, "hexagonal" if scene.fluid.layout == "hexagonal" else "square") - 1
+    bias = 1 / sigma_of(scene) - 1
     before = volume.sum()
     volume, report = calibrate(x, volume, depth, scene.solver.support, wall, bed=bed, bias=bias)
     notes.append(f"masses adjusted by {volume.sum() / before - 1:+.2e} in all so that depths are those of the fills: {report}")
