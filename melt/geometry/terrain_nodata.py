@@ -81,7 +81,8 @@ def _nearest(values, missing, cell):
 def _harmonic(values, missing, cell):
     """Solve Laplace's equation in the gaps: smooth, and between the lowest and highest of the rim.
 
-    Edges of the raster are insulated (no flux). A direct solver: conjugate gradients took some fifteen times as long at 200,000 nodes.
+    Edges of the raster are insulated (no flux). A direct solver: conjugate gradients took some fifteen times as
+    long at 200,000 nodes.
     """
     from scipy import sparse
 
