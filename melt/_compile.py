@@ -40,8 +40,8 @@ def source_hash():
     private helper files of the twins. (A law test holds that stages import nothing else.)
     """
     root = pathlib.Path(__file__).parent
-    shared = [root / "_compile.py", root / "_emulate.py", root / "params.py"]
-    shared += sorted(root.glob("physics/*.py")) + sorted(
+    shared = [root / "_compile.py", root / "_emulate.py"]
+    shared += sorted(root.glob("params*.py")) + sorted(root.glob("physics/*.py")) + sorted(
         p for side in ("cpu", "cuda") for p in root.glob(f"{side}/_*.py")
     )
     digest = hashlib.sha256(numba.__version__.encode())

@@ -23,6 +23,7 @@ import time
 from filelock import FileLock
 
 from melt import _compile
+from melt.check import _flood_values
 from melt.check._choices import SCALARS
 from melt.check.compare import stage_function
 from melt.fields import CARRIED
@@ -41,7 +42,8 @@ def signatures(do, stages, renamed):
             carried = [do.state.get(field) for field in CARRIED if field in do.state]
             calls += [(name, [do.state.get("order"), a, a]) for a in carried if len(a.shape) == ndim]
         else:
-            scalars = {p: SCALARS[p] for p in stage.params if p in SCALARS} | renamed.get(name, {})
+            known = SCALARS | (_flood_values.SCALARS if stage.file.startswith("flood") else {})
+            scalars = {p: known[p] for p in stage.params if p in known} | renamed.get(name, {})
             calls.append((name, do.arguments(stage, scalars)))
     return list(dict.fromkeys((name, tuple(_compile.typeof(a) for a in arguments)) for name, arguments in calls))
 

@@ -4,6 +4,7 @@ Figures are medians over steps of one run after the first steps (which compile),
 machine. Ratios within one run are what to read; absolute times belong to the machine that is named.
 """
 
+import math
 import statistics
 import time
 
@@ -46,6 +47,25 @@ def dam_break(particles, support, iterations, precision="single"):
         "domain": {"upper": [1.5 * size, size, size], "spacing": dx, "walls": {"layers": 3}},
         "fluid": {"fill": [{"lower": [0, 0, 0], "upper": [size, size, size]}]},
         "solver": {"precision": precision, "pressure": "pbf", "support": support, "pbf": {"iterations": iterations}},
+    })
+
+
+def flood_release(particles, precision="single"):
+    """Return a scene: columns of a cubic metre, 2 m deep at the start, running apart over gentle hills."""
+    radius = round((particles / (2 * math.pi)) ** 0.5)
+    size = 4.0 * radius
+    return scene_from_dict({
+        "scene": {"name": "flood_release"},
+        "time": {"end": 10.0, "dt": 0.25, "n_sub_max": 100},
+        "terrain": {
+            "shape": "noise", "lower": [0, 0], "upper": [size, size], "cell": 2.0,
+            "parameters": {"amplitude": 2.0, "wavelength": 60.0, "octaves": 3},
+        },
+        "fluid": {"spacing": 1.0, "fill": [{"centre": [size / 2, size / 2], "radius": radius, "depth": 2.0}]},
+        "boundary": {"columns": False},
+        "friction": {"manning": 0.03},
+        "output": {"maps": False},
+        "solver": {"precision": precision},
     })
 
 
@@ -145,10 +165,12 @@ def stage_rows(result):
 
 def run(
     sizes=SIZES, backend="cpu", precision="single", threads=(1, 2), steps=10, out=None, say=print, iterations=None, support=2.0,
+    flood=False,
 ):
     """Measure the scaling series, print tables, and store them in HDF5 if ``out`` is given.
 
-    With ``iterations`` it is a dam break of the position based fluid, with a support of ``support`` spacings.
+    With ``iterations`` it is a dam break of the position based fluid, with a support of ``support`` spacings; with
+    ``flood`` shallow water that runs apart.
     """
     import numba
 
@@ -157,9 +179,10 @@ def run(
     for n in sizes:
         for t in threads:
             scene = dam_break(n, support, iterations, precision) if iterations else tank(n, precision)
+            scene = flood_release(n, precision) if flood else scene
             result = time_steps(scene, backend, steps=steps if n < 500_000 else 4, threads=t)
             result["threads"] = t
-            bare = t == threads[-1] and not iterations
+            bare = t == threads[-1] and not iterations and not flood
             result["page_over_bare"] = result["step_ms"] / bare_fluid(result["simulation"], 5) if bare else np.nan
             result.pop("simulation")
             results.append(result)

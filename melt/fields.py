@@ -10,6 +10,8 @@ this field large or small (see `melt.check`); integers compare exactly.
 
 from typing import NamedTuple
 
+from melt import fields_flood
+
 #: Every extent that a shape may name, and what it counts.
 EXTENTS = {
     "particle": "particles of all phases, inactive slots included (fixed for a run)",
@@ -30,7 +32,7 @@ EXTENTS = {
     "column": "columns of the neighbour grid, nx ny, x fastest",
     "voxel": "cells of the temperature grid, a spacing wide, x fastest",
     "reduction": "64 partial results of a fixed-shape reduction",
-}
+} | fields_flood.EXTENTS
 
 
 class Field(NamedTuple):
@@ -49,10 +51,10 @@ def _f(name, shape, kind, unit, scale, meaning):
 _TABLE = [
     # particles
     _f("id", "particle", "int", "1", "", "permanent number of the particle"),
-    _f("phase", "particle", "int", "1", "", "0 liquid, 1 solid, 2 wall, 3 bubble, 4 vapour, 5 inactive"),
+    _f("phase", "particle", "int", "1", "", "0 liquid, 1 solid, 2 wall, 3 bubble, 4 vapour, 5 inactive, 6 airborne"),
     _f("material", "particle", "int", "1", "", "row of the material table"),
     _f("site", "particle", "int", "1", "", "lattice site of a (once) solid particle, -1 for none"),
-    _f("position", "3 particle", "position", "m", "spacing", "position"),
+    _f("position", "3 particle", "position", "m", "spacing", "position; of a flood, z is the water surface"),
     _f("position_next", "3 particle", "position", "m", "spacing", "position after the pass (double buffer)"),
     _f("velocity", "3 particle", "real", "m/s", "speed", "velocity"),
     _f("velocity_next", "3 particle", "real", "m/s", "speed", "velocity after the pass (double buffer)"),
@@ -83,7 +85,7 @@ _TABLE = [
     _f("vorticity", "3 particle", "real", "1/s", "rate", "curl of the velocity"),
     _f("momentum_size", "particle", "real", "kg m/s", "momentum", "m |v| of a liquid particle, 0 for others"),
     _f("effect_precision", "particle", "real", "1", "one", "effect precision F, from 0 to 1"),
-    _f("support_radius", "particle", "real", "m", "spacing", "support radius R_i of a liquid particle; 0 for others, which take their partner's"),
+    _f("support_radius", "particle", "real", "m", "spacing", "support radius R_i of a liquid particle (of a flood: h_i of a column); 0 for others, which take their partner's"),
     _f("iterations", "particle", "int", "1", "", "iterations J_i of a liquid particle in the next step; 0 for others"),
     _f("iteration_key", "particle", "int", "1", "", "largest J of a liquid particle and its neighbours; 0 for others"),
     _f("active_index", "particle", "int", "1", "", "particles whose key exceeds the iteration, ascending"),
@@ -232,6 +234,7 @@ _TABLE = [
     _f("surface_temperature", "surface_node", "real", "degC", "temperature", "temperature at the point, 0 away from particles"),
     # reductions read by the host
     _f("motion_bounds", "2 reduction", "real", "m/s, m/s^2", "speed", "largest speed and acceleration of mobile particles"),
+    *[_f(*row) for row in fields_flood.TABLE],
 ]
 
 FIELDS = {field.name: field for field in _TABLE}
@@ -241,7 +244,7 @@ CARRIED = (
     "id phase material site position velocity mass rest_volume temperature latent_energy latent_capacity"
     " position_predicted effect_precision support_radius iterations"
     " latent_store bubble_volume bubble_radius birth_height age cargo vapour_support"
-).split()
+).split() + list(fields_flood.CARRIED)
 
 #: Fields that mean something for one phase only: a slot that changes its phase may keep what it had.
 _OWNER = {"bubble_radius": 3, "cargo": 3, "latent_store": 0, "constraint": 0, "effect_precision": 0}

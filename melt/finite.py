@@ -89,7 +89,7 @@ def not_finite(sim):
     when = f"step {clock.step}, t = {clock.time:.5g} s"
     after = (
         "The frames before are kept. Lower time.dt, fix time.n_sub to more sub-steps, or raise "
-        + ("solver.pbf.iterations" if sim.prepared.need.pbf else "solver.sph.viscosity" if sim.prepared.need.sph else "fluid.alpha")
+        + sim.prepared.steadier
     )
     found = []
     names = (name for stage in sim.prepared.stages for name in STAGES[stage].writes)

@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from melt.flood.findings import seconds_per_step
 from melt.systems.heat import chosen_solver, thermal_substeps
 
 #: Seconds, measured on two cores (small scenes of 2 000 to 14 000 particles, ice_cube of 69 000), mixed precision.
@@ -46,6 +47,9 @@ def forecast(scene, initial, prepared, steps=None):
     from melt.preflight import limits
 
     steps = scene.time.steps if steps is None else steps
+    if scene.kind == "flood":
+        n_sub, seconds = seconds_per_step(scene, initial, prepared)
+        return Forecast(steps * seconds, steps * seconds, 0.0, steps, n_sub)
     counts, settings = initial.counts, prepared.settings
     walls = counts["wall"]
     # an inflow fills its slots in the course of the run: half of them on average

@@ -9,6 +9,29 @@ from typing import NamedTuple
 import numpy as np
 
 from melt.params_boiling import Boiling, Bubbles, Condensate, Sph, Tank, Vapour  # noqa: F401
+from melt.params_flood import (  # noqa: F401
+    CONTROL_BEAD,
+    CONTROL_DESCENT,
+    CONTROL_PAPER,
+    FORM_LINEAR,
+    FORM_SYMMETRIC,
+    FORM_VARIATIONAL,
+    FORM_WELL_BALANCED,
+    FRICTION_CHEZY,
+    FRICTION_DARCY,
+    FRICTION_MANNING,
+    SAMPLER_BICUBIC,
+    SAMPLER_BILINEAR,
+    SAMPLER_BSPLINE,
+    SIDE_OPEN,
+    SIDE_WALL,
+    Basin,
+    Control,
+    Flood,
+    Friction,
+    Sampling,
+    Terrain,
+)
 
 CUBIC, WENDLAND2, MUELLER = range(3)
 L_VISC, L_BROOK, L_BROOK_REGULAR = range(3)

@@ -11,13 +11,17 @@ from types import SimpleNamespace
 import numpy as np
 
 from melt import boiling as boil
+from melt import diagnostics
 from melt.bind import Recorder
 from melt.constants import list_capacity, params_of, sound_speed_of
 from melt.fields import CARRIED, FIELDS
+from melt.flood import ledger as flood_ledger
+from melt.flood import maps as flood_maps
+from melt.flood import plan as flood_plan
 from melt.physics.phases import LIQUID, SOLID
 from melt.position_based import POINTS, adaptive, pbf_fields, pbf_of, short_lists, vessel_of
 from melt.state import REAL, bytes_of
-from melt.systems import boiling, melting
+from melt.systems import boiling, flood, melting
 from melt.systems.heat import thermal_substeps
 
 #: Fields every run holds, whatever its stages use: they are written to the run file.
@@ -44,6 +48,10 @@ class Prepared:
     renamed: dict  # stage: other fields that it works on
     fields: list  # names, allocated
     warnings: list = field(default_factory=list)
+    steadier: str = "fluid.alpha"  # what to raise in a run that is not stable
+    begin: object = None  # begin(simulation, writer): what is written before the first frame
+    finish: object = None  # finish(simulation, writer, say): what is written when the run ends
+    ledger: object = diagnostics  # the module that has `SERIES` and `series`
 
     def bytes(self, name):
         """Return the memory of one field [bytes]."""
@@ -172,6 +180,8 @@ def sizes_of(scene, initial, params, precision):
 def prepare(scene, initial, precision=None):
     """Return the `Prepared` run of a scene, its plan recorded from the step page."""
     precision = precision or scene.solver.precision
+    if scene.kind == "flood":
+        return _flood(scene, initial, precision)
     position = initial["position"]
     liquid = initial["phase"] == LIQUID
     gravity = np.array(scene.domain.gravity)
@@ -187,26 +197,34 @@ def prepare(scene, initial, precision=None):
         system, warning = boiling, ""
         _boiling(scene, initial, need, settings, params, REAL[precision])
     page = system.step if scene.solver.motion else melting.still_step
-    do = Recorder(params, need, settings)
-    do.clock.layers = dict.fromkeys((nozzle.name for nozzle in initial.nozzles), 0)
-    system.start(do)
-    page(do, scene.time.dt)
     absent = {f for what, fields in ONLY_IF.items() if not getattr(need, what) for f in fields}
-    names = {*ALWAYS, *do.fields} - absent
     sizes = sizes_of(scene, initial, params, precision)
-    return Prepared(
-        page,
-        system,
-        need,
-        settings,
-        params,
-        sizes,
-        precision,
-        do.stages,
-        do.renamed,
-        [n for n in FIELDS if n in names],
-        [warning] if warning else [],
-    )
+    prepared = Prepared(page, system, need, settings, params, sizes, precision, [], {}, [], [warning] if warning else [])
+    if need.pbf or need.sph:
+        prepared.steadier = "solver.pbf.iterations" if need.pbf else "solver.sph.viscosity"
+    return _recorded(prepared, initial, scene.time.dt, set(ALWAYS), absent)
+
+
+def _flood(scene, initial, precision):
+    """Return the `Prepared` run of a flood."""
+    need, settings = flood_plan.needs(scene, initial), flood_plan.settings_of(scene, initial)
+    params = flood_plan.params_of(scene, initial, REAL[precision])
+    sizes = flood_plan.sizes_of(scene, initial, params)
+    prepared = Prepared(flood.step, flood, need, settings, params, sizes, precision, [], {}, [], [], "solver.alpha", flood_maps.begin, flood_maps.finish, flood_ledger)
+    always = set(ALWAYS) - {"material"}
+    return _recorded(prepared, initial, scene.time.dt, always, flood_plan.absent_of(need, initial))
+
+
+def _recorded(prepared, initial, dt, always, absent):
+    """Complete a `Prepared` run by what its page does."""
+    do = Recorder(prepared.params, prepared.need, prepared.settings)
+    do.clock.layers = dict.fromkeys((nozzle.name for nozzle in initial.nozzles), 0)
+    prepared.system.start(do)
+    prepared.page(do, dt)
+    names = (always | set(do.fields)) - absent
+    prepared.stages, prepared.renamed = do.stages, do.renamed
+    prepared.fields = [n for n in FIELDS if n in names]
+    return prepared
 
 
 def _boiling(scene, initial, need, settings, params, real):
@@ -228,6 +246,8 @@ def _boiling(scene, initial, need, settings, params, real):
 def derived_fields(scene, initial, prepared):
     """Return initial arrays that follow from the method, not from the geometry."""
     found = {}
+    if scene.kind == "flood":
+        return found
     if prepared.need.effect_precision:
         found.update(pbf_fields(scene, initial["phase"]))
     if prepared.need.boiling:
@@ -237,6 +257,8 @@ def derived_fields(scene, initial, prepared):
 
 def scales_of(scene, initial, settings):
     """Return the natural scale of each kind of field, for comparing backends on a live run."""
+    if scene.kind == "flood":
+        return flood_plan.scales_of(scene, initial)
     dx, rho, cs = scene.spacing, scene.fluid.density, settings.sound_speed
     mass = rho * dx**3
     T = initial["temperature"] if "temperature" in initial else np.array([0.0, 1.0])
@@ -277,7 +299,8 @@ def scales_of(scene, initial, settings):
 
 def carried(prepared):
     """Return the fields that a checkpoint must hold: those that later steps read before they write."""
-    derived = {"neighbour", "cell", "chunk", "node", "reduction"}
+    # derived anew, or as the scene says
+    derived = {"neighbour", "cell", "chunk", "node", "reduction", "boundary", "terrain_node", "entry", "zone"}
     return [
         n
         for n in prepared.fields

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from melt.boiling_findings import boiling_findings
 from melt.constants import lattice_density, lattice_offsets
+from melt.flood import findings as flood
 from melt.forecast import forecast
 from melt.geometry.build import build
 from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
@@ -68,11 +69,15 @@ def plan(scene, precision=None, initial=None):
     """Return the `Plan` of a scene; nothing is compiled or run."""
     initial = initial or build(scene)
     prepared = prepare(scene, initial, precision)
-    return Plan(scene, initial, prepared, findings(scene, initial, prepared), limits(prepared))
+    moves = scene.kind == "flood" or scene.solver.motion
+    return Plan(scene, initial, prepared, findings(scene, initial, prepared), limits(prepared) if moves else {})
 
 
 def limits(prepared, speed=0.0):
     """Return {bound: seconds} of the mechanical sub-step at the start, with ``speed`` [m/s] the largest."""
+
+    if prepared.system.__name__ == "melt.systems.flood":
+        return flood.limits(prepared, speed)
 
     class Start:  # a binder at t = 0, as far as `step_limits` looks
         settings = prepared.settings
@@ -85,6 +90,8 @@ def limits(prepared, speed=0.0):
 
 def findings(scene, initial, prepared):
     """Return the `Finding` list of a scene."""
+    if scene.kind == "flood":
+        return [Finding(*found) for found in flood.findings(scene, initial, prepared)]
     found = [Finding("note", note) for note in initial.notes]
     found += [Finding("warning", text) for text in prepared.warnings]
     liquid = _position_based if prepared.need.pbf else _density
@@ -236,7 +243,10 @@ def _head(p):
     yield f"scene {scene.scene.name}: {scene.scene.description}"
     if scene.scene.figure:
         yield f"stands for: {scene.scene.figure}"
-    yield "particles: " + ", ".join(f"{n:,} {name}" for name, n in counts.items() if n)
+    yield "particles: " + (", ".join(f"{n:,} {name}" for name, n in counts.items() if n) or "none")
+    if scene.kind == "flood":
+        yield from flood.head(scene, p.initial, p.prepared)
+        return
     yield (
         f"spacing {scene.spacing:g} m, support {scene.support:g} m ({lattice_offsets(scene.solver.support).size} neighbours "
         f"inside, lattice density {lattice_density(scene):.4f}), precision {p.prepared.precision}"
@@ -266,7 +276,7 @@ def _fields(p):
 def _forecast(p):
     scene, n = p.scene, p.initial["id"].size
     expected = forecast(scene, p.initial, p.prepared)
-    if scene.solver.motion:
+    if p.limits:
         governing = min(p.limits, key=p.limits.get)
         for name, seconds in sorted(p.limits.items(), key=lambda item: item[1]):
             yield f"time step bound {name:<12}{seconds:.4g} s{'   <- governs' if name == governing else ''}"
@@ -278,6 +288,6 @@ def _forecast(p):
         8 if f == "id" else 4 * (3 if f in ("position", "velocity") else 1)
         for f in ("id", "position", "velocity", "pressure")
     )
-    written = n if scene.output.walls else n - p.initial.counts["wall"]
+    written = n if scene.output.walls else n - p.initial.counts.get("wall", 0)
     files = (scene.time.steps // scene.time.output_steps + 1) * written * frame
     yield f"forecast on CPU: {expected.text}; {scene.time.steps:,} steps, {files / 1e6:,.0f} MB of output at most"

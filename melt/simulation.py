@@ -11,7 +11,6 @@ from melt import backend as backends
 from melt import plan
 from melt.ahead import compile_ahead
 from melt.bind import Lockstep, Plain, Timed
-from melt.diagnostics import series
 from melt.errors import MeltError
 from melt.fields import FIELDS, owned
 from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
@@ -19,14 +18,14 @@ from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
 from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
-from melt.physics.phases import BUBBLE, LIQUID, SOLID, VAPOUR, WALL
+from melt.physics.phases import AIRBORNE, BUBBLE, LIQUID, SOLID, VAPOUR, WALL
 from melt.preflight import findings
 from melt.scene import load_scene, scene_from_toml
 from melt.scene.model import OUTPUT_FIELDS
 from melt.state import State
 
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
-BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid", "compression")
+BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid", "compression", "wave", "terrain")
 
 
 class Simulation:
@@ -77,7 +76,7 @@ class Simulation:
         clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
         self.compile_seconds = compile_ahead(self.do, p.stages, p.renamed, progress)
         p.system.start(self.do)
-        mobile = np.isin(self.initial["phase"], (LIQUID, SOLID))
+        mobile = np.isin(self.initial["phase"], (LIQUID, SOLID, AIRBORNE))
         self._start = {
             "solids": int((self.initial["phase"] == SOLID).sum()),
             "liquids": int((self.initial["phase"] == LIQUID).sum()),
@@ -133,7 +132,7 @@ class Simulation:
     def frame(self):
         """Return the particle arrays of a frame: what the run file gets, sorted by id."""
         output = self.scene.output
-        phases = [LIQUID, SOLID, BUBBLE, VAPOUR] + ([WALL] if output.walls else [])
+        phases = [LIQUID, SOLID, BUBBLE, VAPOUR, AIRBORNE] + ([WALL] if output.walls else [])
         keep = np.isin(self.read("phase"), phases)
         names = [n for n in self.prepared.fields if n in OUTPUT_FIELDS]
         if output.fields != "all":
@@ -143,13 +142,18 @@ class Simulation:
     def series(self):
         """Return the ledgers and notes of now, as {name: number}."""
         clock, notes = self.do.clock, self.do.notes
-        values = {"dt": self.scene.time.dt, "step": clock.step, **series(self.do, self._start)}
+        values = {"dt": self.scene.time.dt, "step": clock.step, **self.prepared.ledger.series(self.do, self._start)}
         for name, value in notes.items():
             values[name] = BOUNDS.index(value) if name == "governing_bound" else value
         steps = max(1, clock.step - self._timed_from)
         for name, seconds in getattr(self.do, "seconds", {}).items():
             values[f"ms/{name}"] = 1e3 * seconds / steps
         return values
+
+    def readings(self):
+        """Return what the gauges read since the last call: name -> array (k,) or (k, gauges)."""
+        taken, self.do.clock.readings = self.do.clock.readings, []
+        return {name: np.array([reading[name] for reading in taken]) for name in (taken[0] if taken else ())}
 
     def restart_timers(self):
         """Begin the milliseconds per stage and outer step (``ms/*`` of `series`), and the notes, anew."""
@@ -222,6 +226,8 @@ def run(
                 say("warning", message=finding.advice)
                 sim.told.add(finding.text.split()[0])
         if writer:
+            if sim.prepared.begin:
+                sim.prepared.begin(sim, writer)
             _append(writer, sim, say)
             checkpoint.discard(checkpoint.beside(writer.path))  # of the run that it replaced
         return _loop(sim, writer, say, total)
@@ -260,7 +266,7 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
 def _append(writer, sim, say):
     sim.check()
     values = sim.series()
-    writer.append(sim.time, sim.frame(), values)
+    writer.append(sim.time, sim.frame(), values, sim.readings())
     lost = values["lost_particles"]
     if lost and not sim.lost_told:
         sim.lost_told = True
@@ -296,5 +302,7 @@ def _loop(sim, writer, say, total):
                 _save(writer, sim)
         if stop.asked and writer:
             _save(writer, sim)
+        if writer and sim.prepared.finish:
+            sim.prepared.finish(sim, writer, say)
     say("end", interrupted=stop.asked)
     return SimpleNamespace(simulation=sim, interrupted=stop.asked, seconds=time.perf_counter() - began)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 
-from melt import tradeoff_boiling
+from melt import tradeoff_boiling, tradeoff_flood
 from melt.errors import MeltError
 from melt.forecast import forecast
 from melt.geometry.build import build
@@ -97,6 +97,8 @@ def sample(scene, steps, warm=2):
 
 
 def _curves(sim):
+    if sim.scene.kind == "flood":
+        return tradeoff_flood.curves(sim)
     if sim.prepared.need.boiling:
         return tradeoff_boiling.curves(sim)
     values = sim.series()
@@ -122,10 +124,10 @@ def _curves(sim):
 
 
 def error_of(curves, truth):
-    """Return {name: root mean square distance of a curve from the reference's}; "density ..." is its own mean."""
+    """Return {name: root mean square distance of a curve from the reference's}; "density ..." and "exact ..." are their own means."""
     errors = {}
     for name, curve in curves.items():
-        if name.startswith("density"):
+        if name.startswith(("density", "exact")):
             errors[name] = float(curve.mean())
             continue
         both = np.isfinite(curve) & np.isfinite(truth[name])
@@ -154,6 +156,8 @@ def pareto(points, error):
 def knobs_of(scene):
     """Return the knobs that make a difference in a scene."""
     knobs = [("default", "-", [])]
+    if scene.kind == "flood":
+        return knobs + tradeoff_flood.knobs_of(scene)
     if scene.boiling:
         return knobs + tradeoff_boiling.KNOBS
     if scene.solver.motion:
@@ -188,6 +192,8 @@ def run(name, out=None, steps=None, knobs=None, say=print):
     reference = [o for o in REFERENCE if (scene.heat or not o.startswith("heat"))]
     if scene.boiling:
         reference = tradeoff_boiling.REFERENCE
+    if scene.kind == "flood":
+        reference = tradeoff_flood.reference_of(scene)
     knobs = knobs or knobs_of(scene)
     say(f"{name}: {steps} outer steps of {scene.time.dt:g} s; reference run: {', '.join(reference)}")
     say(expected([load_scene(name, overrides) for overrides in (reference, *(k[2] for k in knobs))], steps))

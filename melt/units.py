@@ -26,6 +26,7 @@ _LIST = [
     Quantity("length", (0, 1, 0, 0), "m", "0.2 m"),
     Quantity("area", (0, 2, 0, 0), "m^2", "1 m^2"),
     Quantity("volume", (0, 3, 0, 0), "m^3", "1 m^3"),
+    Quantity("discharge", (0, 3, -1, 0), "m^3/s", "19.7 m^3/s"),
     Quantity("time", (0, 0, 1, 0), "s", "5 ms"),
     Quantity("temperature", (0, 0, 0, 1), "degC", "20 degC"),
     Quantity("temperature difference", (0, 0, 0, 1), "K", "0.5 K"),

@@ -2,6 +2,7 @@
 
 from melt import params as P
 from melt.check import _boiling, _cloud, _pbf
+from melt.check import _flood_values as _flood
 
 #: Parameter tuples with values that exercise every term.
 TUPLES = {
@@ -80,6 +81,12 @@ TUPLES = {
     "condensate": (P.Condensate, _boiling.CONDENSATE),
     "tank": (P.Tank, _boiling.TANK),
     "sph": (P.Sph, _boiling.SPH),
+    "flood": (P.Flood, _flood.FLOOD),
+    "terrain_grid": (P.Terrain, _flood.TERRAIN),
+    "control": (P.Control, _flood.CONTROL),
+    "basin": (P.Basin, _flood.BASIN),
+    "friction": (P.Friction, _flood.FRICTION),
+    "sampling": (P.Sampling, _flood.SAMPLING),
     "domain": (
         P.Domain,
         dict(lower_x=-1.0, lower_y=-1.0, lower_z=-1.0, upper_x=1.5, upper_y=6.0, upper_z=20.0, delete=1),
@@ -139,6 +146,7 @@ SWITCHES = {
     "change": {"own_liquid": (0, 1), "latent": (0, 1)},
     "domain": {"delete": (0, 1)},
     "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
+    **_flood.SWITCHES,
 }
 
 #: Extra variants of single stages.
@@ -155,6 +163,7 @@ EXTRA = {
     "condense": [{"n": 1200, "served": 9}],
     **{name: [{"bubbles": True}] for name in ("pbf_begin", "pbf_list", "pbf_lambda", "pbf_correction", "pbf_xsph", "iteration_key")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
+    **_flood.EXTRA,
 }
 
 #: Particles that the variants of a stage need at least: one that boils needs four free slots.
@@ -163,5 +172,5 @@ LEAST = {"spawn_bubbles": 301}
 #: What stages need besides when there is no particle, or one.
 SMALL = {
     **{name: {"served": 0} for name in ("spawn_bubbles", "vapour_source", "condense")},
-    **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter")},
+    **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter", "enter")},
 }

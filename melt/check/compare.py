@@ -98,11 +98,11 @@ def meaning(field, outputs):
     nothing at all if it overflowed: the host grows the lists and has them built again.
     """
     listed = field.removesuffix("index") + "count"  # active_index and active_count, index and count
-    if field.endswith("index") and field != "neighbour_index" and listed in outputs:
-        return np.arange(outputs[field].shape[0]) < outputs[listed][0]
-    if field != "neighbour_index" or "neighbour_count" not in outputs:
+    if not field.endswith("index") or listed not in outputs:
         return None
-    count, capacity = outputs["neighbour_count"], outputs[field].shape[1]
+    if outputs[field].ndim == 1:
+        return np.arange(outputs[field].shape[0]) < outputs[listed][0]
+    count, capacity = outputs[listed], outputs[field].shape[1]
     used = np.arange(capacity)[None, :] < count[:, None]
     return used & (count[:, None] <= capacity)
 

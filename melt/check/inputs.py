@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _pbf, _sites, _thermal
+from melt.check import _boiling, _cloud, _flood, _flood_values, _pbf, _sites, _thermal
 from melt.check._choices import EXTRA, LEAST, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
@@ -34,6 +34,10 @@ class UnknownInput(KeyError):
 
     def __str__(self):
         return self.args[0]
+
+
+def _of_flood(stage):
+    return stage.file.startswith("flood")
 
 
 def scales(n):
@@ -66,6 +70,7 @@ def scales(n):
         bubble_push=mass * speed * volume,
         specific_heat=4187.0,
         latent_heat=3e4,
+        **{name: _flood_values.SCALES[name] for name in ("depth", "area", "curvature", "flux")},
     )
 
 
@@ -83,8 +88,18 @@ def scene(n, seed, ordered, width, connect):
     return arrays, grid
 
 
+@lru_cache(maxsize=8)
+def flood_scene(n, seed):
+    """Return (arrays, grid) of the check scene of stages of the flood. Do not write to it."""
+    arrays, grid = _flood.scene(n, seed)
+    for array in arrays.values():
+        array.flags.writeable = False
+    return arrays, grid
+
+
 def _params(stage, real, grid, choice):
     found = {}
+    values_of = {**SCALARS, **_flood_values.SCALARS} if _of_flood(stage) else SCALARS
     for name in stage.params:
         if name in TUPLES:
             kind, values = TUPLES[name]
@@ -93,8 +108,8 @@ def _params(stage, real, grid, choice):
                 values["ambient_transfer"] *= 2.5e-7  # m/s: divided by density and specific heat
             values.update({k: v for k, v in choice.items() if k in values})
             found[name] = P.make(kind, real, **values)
-        elif name in SCALARS:
-            value = choice.get(name, SCALARS[name])
+        elif name in values_of:
+            value = choice.get(name, values_of[name])
             found[name] = np.int32(value) if isinstance(value, int) else real(value)
         else:
             raise UnknownInput(
@@ -105,6 +120,8 @@ def _params(stage, real, grid, choice):
 
 def _sizes(arrays, grid):
     """Return the size of every extent in the check scene."""
+    if "terrain" in arrays:
+        return _flood.sizes(arrays)
     n, cells = len(arrays["phase"]), grid["nx"] * grid["ny"] * grid["nz"] + 2
     return dict(
         particle=n,
@@ -151,7 +168,7 @@ def _array(stage, name, arrays, grid, choice, all_scales, rng):
     if name in _boiling.NAMED:
         return arrays[name], "int"
     field = FIELDS[name]
-    if name in ("neighbour_count", "neighbour_index") and "capacity" in choice:
+    if name in ("neighbour_count", "neighbour_index") and "capacity" in choice and not _of_flood(stage):
         rows = _cloud.neighbour_rows(arrays["position"].T, arrays["phase"])
         return _cloud.padded(rows, choice["capacity"])[name == "neighbour_index"], field
     if name in arrays:
@@ -164,6 +181,8 @@ def _array(stage, name, arrays, grid, choice, all_scales, rng):
 
 def _adapted(stage_name, arrays, grid, choice):
     """Return the scene as it is when the stage runs, and as its variant asks."""
+    if _of_flood(STAGES[stage_name]):
+        return _flood.adapted(arrays, choice)
     if choice.get("bubbles", STAGES[stage_name].file in _boiling.FILES):
         arrays = _boiling.with_bubbles(arrays, grid)
     if stage_name == "fill_regions":
@@ -192,10 +211,11 @@ def make(stage_name, precision, n=301, seed=0, choice=None):
     stage, choice, real = STAGES[stage_name], choice or {}, REAL[precision]
     n = choice.get("n", n)
     width, connect = choice.get("width", 2), choice.get("connect", 26)
-    arrays, grid = scene(n, seed, stage_name not in _UNORDERED, width, connect)
+    flood = _of_flood(stage)
+    arrays, grid = flood_scene(n, seed) if flood else scene(n, seed, stage_name not in _UNORDERED, width, connect)
     arrays = _adapted(stage_name, arrays, grid, choice)
     rng = np.random.default_rng(seed + 1)
-    all_scales = scales(n)
+    all_scales = {**scales(n), **_flood_values.SCALES} if flood else scales(n)
     cast = {}
     for name in stage.arguments:
         if name in stage.params:
@@ -231,5 +251,7 @@ def choices(stage_name):
             base = TUPLES[name][1][switch]
             size = {"n": LEAST[stage_name]} if stage_name in LEAST else {}
             found += [{switch: v, **size} for v in values if v != base]
+    if "wall_count" in stage.arguments:
+        found.append({"walls": 0})
     small = SMALL.get(stage_name, {})
     return found + EXTRA.get(stage_name, []) + [{"n": 0, **small}, {"n": 1, **small}]

@@ -54,6 +54,7 @@ def bench(
     iterations: Annotated[
         int | None, typer.Option("--pbf", min=1, max=255, help="Iterations: time a dam break of the position based fluid.")
     ] = None,
+    flood: Annotated[bool, typer.Option("--flood", help="Time shallow water that runs apart over hills.")] = False,
     support: Annotated[float, typer.Option("--support", min=1.6, max=6, help="Support radius of --pbf in spacings.")] = 2.0,
     out: Out = None,
 ):
@@ -71,6 +72,7 @@ def bench(
         say=typer.echo,
         iterations=iterations,
         support=support,
+        flood=flood,
     )
 
 

@@ -10,7 +10,7 @@ from melt.geometry.materials import heater_table, material_table
 from melt.geometry.nozzles import nozzle_table
 from melt.geometry.shapes import affordable, keys, sample
 from melt.geometry.walls import beyond_walls, wall_cells
-from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
+from melt.physics.phases import AIRBORNE, INACTIVE, LIQUID, SOLID, WALL
 
 
 @dataclass
@@ -40,7 +40,7 @@ class Initial:
     def counts(self):
         """Return {phase name: particles}; "inactive" are slots that the inflow will fill."""
         phase = self.arrays["phase"]
-        names = {"liquid": LIQUID, "solid": SOLID, "wall": WALL, "inactive": INACTIVE}
+        names = {"liquid": LIQUID, "airborne": AIRBORNE, "solid": SOLID, "wall": WALL, "inactive": INACTIVE}
         return {name: int((phase == number).sum()) for name, number in names.items()}
 
     @property
@@ -56,12 +56,16 @@ class Initial:
 
 
 def build(scene):
-    """Sample the geometry of a `melt.scene.Scene` and return its `Initial` state.
+    """Sample the geometry of a scene and return its `Initial` state.
 
     Raises:
         GeometryError: bodies overlap each other or the walls, a mesh cannot be used.
         SceneError: solids that share a material differ in its values.
     """
+    if scene.kind == "flood":
+        from melt.flood.build import build_flood
+
+        return build_flood(scene)
     notes = []
     walls = _walls(scene, notes)
     solids = _solids(scene, walls, notes)

@@ -7,6 +7,8 @@ Layout (VTKHDF 2.3, temporal PolyData; https://docs.vtk.org/en/latest/vtk_file_f
     /VTKHDF/Lines, Polygons, Strips    none
     /VTKHDF/Steps/*                    times and where each frame begins
     /melt/scene, provenance, series/*  scene text, attributes, one number per frame each
+    /melt/gauges/*                     readings between frames: time (k,), others (k, gauges)
+    /melt/maps/*                       maps of the whole run, written at its end
 
 `melt.output.hdf5` says why a killed run leaves a file with all completed frames.
 """
@@ -19,11 +21,14 @@ import stat
 
 import numpy as np
 
-from melt.diagnostics import SERIES
+from melt import diagnostics
+from melt.flood import ledger as flood_ledger
 from melt.fields import FIELDS
 from melt.output import hdf5, vtk_layout
 from melt.output.errors import OutputError, RunFileError, output_error
 from melt.output.hdf5 import Group, Small
+
+SERIES = diagnostics.SERIES | flood_ledger.SERIES
 
 _SERIES_UNITS = (
     ("time", "s"),
@@ -160,7 +165,7 @@ class RunWriter:
             raise self._fail("continue", error) from error
         return self
 
-    def append(self, time, particles, series=None):
+    def append(self, time, particles, series=None, readings=None):
         """Write one frame and make it part of the file, at once or not at all.
 
         Args:
@@ -168,6 +173,7 @@ class RunWriter:
             particles: field name -> array (n,) or (n, 3); ``position`` among them; n may be 0 and
                 may change, names and dtypes may not.
             series: name -> number; ``a/b`` goes to a group a; what is missing becomes NaN or 0.
+            readings: name -> array (k, ...) of what was read since the last frame, ``time`` among them.
 
         Raises:
             OutputError: the frame could not be written; the file keeps all earlier frames.
@@ -177,11 +183,14 @@ class RunWriter:
         particles = {name: np.asarray(array) for name, array in particles.items()}
         self._check(time, particles)
         series = {"time": float(time), **(series or {})}
+        if readings:
+            series["gauge_readings"] = self._readings + len(readings["time"])
         try:
             if self.frames == 0:
                 vtk_layout.lay_out(self._root["VTKHDF"], particles)
             vtk_layout.append_frame(self._root["VTKHDF"], self._file, self.frames, float(time), particles)
             self._append_series(series)
+            self._append_readings(readings or {})
             self._root["VTKHDF/Steps"].attrs["NSteps"] = np.int64(self.frames + 1)
             self._file.commit(self._root)
             if self._beside:
@@ -189,6 +198,30 @@ class RunWriter:
         except OSError as error:
             raise self._fail(f"write frame {self.frames} (t = {time:g} s) to", error) from error
         self.frames += 1
+
+    def store(self, arrays, attributes):
+        """Write arrays of the whole run to ``/melt/maps``, in place of those of an earlier end.
+
+        Args:
+            arrays: name -> array (ny, nx). attributes: of the group, name -> str, number or list of numbers.
+
+        Raises:
+            OutputError: they could not be written; the file keeps its frames.
+        """
+        if self._broken:
+            raise OutputError(self._broken)
+        maps = self._root.group("melt/maps")
+        maps.attrs = {name: np.asarray(v) if isinstance(v, list | tuple) else v for name, v in attributes.items()}
+        try:
+            for name, array in arrays.items():
+                known = FIELDS.get(name)
+                attrs = {"unit": known.unit, "meaning": known.meaning} if known else {"unit": "m"}
+                dataset = Small(array.dtype, array.shape[1:], **attrs)
+                dataset.append(self._file, array)
+                maps.children[name] = dataset
+            self._file.commit(self._root)
+        except OSError as error:
+            raise self._fail("write the maps of", error) from error
 
     def close(self, keep_empty=True):
         """Close the file; it is whole before and after. An older one that no frame has replaced stays."""
@@ -254,6 +287,21 @@ class RunWriter:
             missing = np.nan if dataset.dtype.kind == "f" else 0
             dataset.append(self._file, series.get(name, missing))
 
+    @property
+    def _readings(self):
+        """Rows of the gauges so far."""
+        gauges = self._root["melt"].children.get("gauges")
+        return gauges["time"].rows if gauges else 0
+
+    def _append_readings(self, readings):
+        for name, rows in readings.items():
+            rows = np.asarray(rows)
+            group = self._root.group("melt/gauges")
+            if name not in group.children:
+                unit = FIELDS[f"sample_{name}"].unit if f"sample_{name}" in FIELDS else "s"
+                group.children[name] = Small(np.float64, rows.shape[1:], unit=unit)
+            group.children[name].append(self._file, rows)
+
     # --- failure and resumption ---
 
     def _fail(self, what, error):
@@ -266,13 +314,20 @@ class RunWriter:
             pass  # what lies behind the last commit is invisible to readers
         return OutputError(self._broken)
 
+    def _readings_until(self, frames):
+        """Return the rows of the gauges that the first ``frames`` frames have."""
+        series = self._root["melt/series"].children.get("gauge_readings")
+        if series is None or not frames:
+            return 0
+        return int(np.frombuffer(self._file.read(8, series.address + 8 * (frames - 1)), np.int64)[0])
+
     def _cut(self, frames):
         """Cut back to ``frames`` frames; at every instant the file holds the old or the new state."""
         root, file, old = self._root, self._file, self.frames
         if not 0 <= frames <= old:
             raise RunFileError(f"{self.path} has {old} frames; it cannot be continued from frame {frames}.")
         if frames < old:
-            rows = vtk_layout.rows_until(root, frames)
+            rows = vtk_layout.rows_until(root, frames, self._readings_until(frames))
             if frames:
                 for path, item in root.walk():
                     if not isinstance(item, Group):

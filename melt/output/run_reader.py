@@ -23,6 +23,10 @@ def _text(value):
     return value.decode() if isinstance(value, bytes) else value.item() if hasattr(value, "item") else value
 
 
+def _value(value):
+    return value if isinstance(value, np.ndarray) else _text(value)
+
+
 class Run:
     """A run file: ``times`` [s], ``series``, ``scene_text``, ``provenance``, frames by number."""
 
@@ -60,6 +64,9 @@ class Run:
         self.series, self.series_units = {}, {}
         if "series" in melt:
             melt["series"].visititems(self._read_series)
+        self.maps = {name: item[:] for name, item in melt.get("maps", {}).items()}
+        self.map_facts = {name: _value(v) for name, v in melt["maps"].attrs.items()} if "maps" in melt else {}
+        self.gauges = {name: item[:] for name, item in melt.get("gauges", {}).items()}
 
     def _read_series(self, name, item):
         if isinstance(item, h5py.Dataset):

@@ -82,8 +82,8 @@ def append_frame(vtk, file, k, time, particles):
         steps["PointDataOffsets"][name].append(file, start)
 
 
-def rows_until(root, frames):
-    """Return a function (path, dataset) -> rows that ``frames`` frames have in it."""
+def rows_until(root, frames, readings=0):
+    """Return a function (path, dataset) -> rows that ``frames`` frames have in it, ``readings`` those of the gauges."""
     particles = root["VTKHDF/Steps"].start_rows[frames]
     longest = root["VTKHDF/Steps"].longest[frames]
 
@@ -91,6 +91,10 @@ def rows_until(root, frames):
         parts = path.split("/")
         if parts[:2] == ["melt", "scene"]:
             return 1
+        if parts[:2] == ["melt", "gauges"]:
+            return readings
+        if parts[:2] == ["melt", "maps"]:
+            return dataset.rows
         if parts[-1] == "Points" or parts[1] == "PointData":
             return particles
         if parts[1] == "Vertices" and parts[2] in ("Connectivity", "Offsets"):

@@ -1,4 +1,4 @@
 """Numbers of the field ``phase``."""
 
-LIQUID, SOLID, WALL, BUBBLE, VAPOUR, INACTIVE = range(6)
-PHASE_NAMES = ("liquid", "solid", "wall", "bubble", "vapour", "inactive")
+LIQUID, SOLID, WALL, BUBBLE, VAPOUR, INACTIVE, AIRBORNE = range(7)
+PHASE_NAMES = ("liquid", "solid", "wall", "bubble", "vapour", "inactive", "airborne")

@@ -2,6 +2,7 @@
 
 import copy
 import difflib
+import os
 import pathlib
 import tomllib
 
@@ -10,8 +11,8 @@ from pydantic import ValidationError
 from melt.errors import SceneError
 from melt.scene.messages import explain
 from melt.scene.model import Scene
-from melt.scene.presets import BOILING_PRESETS, OPTIONAL_SECTIONS, PRESETS
-from melt.scene.terrain import resolve_terrain_files
+from melt.scene.flood import FloodScene
+from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, OPTIONAL_SECTIONS, PRESETS
 
 
 def data_folder():
@@ -84,7 +85,7 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
     chosen = preset or data.get("preset", "default")
     if not isinstance(chosen, str):
         raise SceneError(f"{title}: preset = {chosen!r} is not allowed: it must be the name of one preset")
-    known = {**PRESETS, **own}
+    known = {**(FLOOD_PRESETS if "terrain" in data else PRESETS), **own}
     if chosen not in known:
         close = difflib.get_close_matches(str(chosen), known, 1)
         hint = f"did you mean {close[0]}? " if close else ""
@@ -97,15 +98,19 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         if not _ or not key.strip():
             raise SceneError(f"override {text!r}: write KEY=VALUE, for instance heat.conductivity=50")
         _assign(data, key.strip(), _parse(value.strip()))
-    _fill_in(data, (BOILING_PRESETS if "boiling" in data else PRESETS).get(chosen, {}))
+    model, defaults = Scene, BOILING_PRESETS if "boiling" in data else PRESETS
+    if "terrain" in data:
+        model, defaults = FloodScene, FLOOD_PRESETS
+    _fill_in(data, defaults.get(chosen, {}))
     _resolve_meshes(data, folder)
-    resolve_terrain_files(data, folder)
+    if "terrain" in data:
+        _resolve_files(data, [folder] if folder else [])
     heat = data.get("heat")
     law = heat.get("law", "paper") if isinstance(heat, dict) else "paper"
     try:
-        return Scene.model_validate(data, context={"law": law})
+        return model.model_validate(data, context={"law": law})
     except ValidationError as error:
-        raise SceneError(explain(error, data, title, Scene)) from None
+        raise SceneError(explain(error, data, title, model)) from None
 
 
 def _parse(text):
@@ -159,6 +164,29 @@ def _fill_table(table, values):
             table.setdefault(key, value)
         elif isinstance(table.get(key), dict) or (key not in table and key not in OPTIONAL_SECTIONS):
             _fill_table(table.setdefault(key, {}), value)
+
+
+def data_places():
+    """Return the folders in which files of measured cases are looked for: MELT_DATA, or ../shared/data of a checkout."""
+    given = os.environ.get("MELT_DATA")
+    beside = [pathlib.Path("..") / "shared" / "data", pathlib.Path(__file__).resolve().parents[3] / "shared" / "data"]
+    return [pathlib.Path(given)] if given else beside
+
+
+def _resolve_files(item, places):
+    """Make the files that a flood names absolute: beside the scene, or in one of `data_places`."""
+    if isinstance(item, list):
+        for inner in item:
+            _resolve_files(inner, places)
+    if not isinstance(item, dict):
+        return
+    for key, value in item.items():
+        if key in ("file", "raster") and isinstance(value, str):
+            there = (pathlib.Path(place) / value for place in [*places, *data_places()])
+            found = next((path for path in there if path.is_file()), None)
+            item[key] = str(found.resolve()) if found else value
+        else:
+            _resolve_files(value, places)
 
 
 def _resolve_meshes(data, folder):

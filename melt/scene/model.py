@@ -2,7 +2,7 @@
 
 import difflib
 import math
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_validator
 
@@ -29,7 +29,7 @@ from melt.scene.solver import Solver
 #: Particle fields that a run file may have.
 OUTPUT_FIELDS = (
     "id phase material position velocity density pressure temperature latent_energy constraint effect_precision"
-    " bubble_radius age cargo latent_store"
+    " bubble_radius age cargo latent_store depth bed support_radius brake"
 ).split()
 MOST_STEPS = 1_000_000_000
 #: Thermal sub-steps of a step: more are refused, not waited for.
@@ -212,6 +212,7 @@ class Output(Section):
 class Scene(Section):
     """One scene: geometry, matter, physics, numerics."""
 
+    kind: ClassVar[str] = "liquid"  # in a box; the other kind is "flood"
     scene: About = Field(default_factory=About)
     preset: str = "default"
     """Values of keys that are not given: "default", "paper", "physical", or one of the scene's own."""

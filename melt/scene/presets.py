@@ -40,4 +40,22 @@ BOILING_PRESETS = {
     # the whole latent heat, and heat that conducts as in water
     "physical": {"boiling": {"latent_scale": 1.0, "diffusivity": WATER_DIFFUSIVITY, "boost": "boussinesq"}},
 }
-OPTIONAL_SECTIONS = {"heat", "boiling", "heater"}
+#: What the presets mean for a flood (flood spec 2-4, 8).
+FLOOD_PRESETS = {
+    "default": {},
+    # the paper's Table 1 and what it says of its method: linear gas law, support of the step before, no Lax-Friedrichs,
+    # Euler steps of a fixed length, bilinear terrain, control with corners a support away, walls of the reference depth
+    "paper": {
+        "time": {"n_sub": 1},
+        "terrain": {"sampler": "bilinear"},
+        "fluid": {"calibrate": False},
+        "boundary": {"law": "paper"},
+        "control": {"mode": "paper", "slope_on": 0.0, "slope_full": 0.0, "clamp": False},
+        "solver": {
+            "form": "linear", "iterations": 0, "alpha": 0.0, "viscosity": 1e-4, "first_kick": "full", "precision": "single",
+        },
+    },
+    # what the shallow water equations say, as closely as this method can
+    "physical": {"solver": {"form": "variational", "precision": "double", "cfl": 0.2}},
+}
+OPTIONAL_SECTIONS = {"heat", "boiling", "heater", "control"}

@@ -81,6 +81,10 @@ Expansion = quantity("thermal expansion")
 Angle = quantity("angle")
 Vector = Annotated[list[Length], Field(min_length=3, max_length=3)]
 PositiveVector = Annotated[list[PositiveLength], Field(min_length=3, max_length=3)]
+Vector2 = Annotated[list[Length], Field(min_length=2, max_length=2)]
+PositiveVector2 = Annotated[list[PositiveLength], Field(min_length=2, max_length=2)]
+Velocity2 = Annotated[list[Speed], Field(min_length=2, max_length=2)]
+Polygon = Annotated[list[Vector2], Field(min_length=3)]
 Velocity = Annotated[list[Speed], Field(min_length=3, max_length=3)]
 Acceleration = Annotated[list[quantity("acceleration")], Field(min_length=3, max_length=3)]
 Direction = Annotated[list[Number], Field(min_length=3, max_length=3)]

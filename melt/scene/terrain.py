@@ -1,7 +1,6 @@
 """The sections [terrain] and [friction] of a flood: where the bed comes from, and how rough it is."""
 
 import difflib
-import pathlib
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictBool, field_validator, model_validator
@@ -202,17 +201,3 @@ class Friction(_Coefficients):
     def coefficient(self):
         """Coefficient of the law outside of zones and raster."""
         return getattr(self, self.law)
-
-
-def resolve_terrain_files(data, folder):
-    """Make files of [terrain] and [friction] that stand beside the scene absolute, in the raw tables."""
-    terrain, friction = data.get("terrain"), data.get("friction")
-    places = [(terrain, "file"), (friction, "raster")]
-    for table, name in ((terrain, "raised"), (friction, "zone")):
-        items = table.get(name) if isinstance(table, dict) else None
-        places += [(item, "file") for item in (items if isinstance(items, list) else [])]
-    for table, key in places:
-        if isinstance(table, dict) and isinstance(table.get(key), str) and folder is not None:
-            beside = pathlib.Path(folder) / table[key]
-            if beside.is_file():
-                table[key] = str(beside.resolve())

@@ -83,19 +83,30 @@ def solidify(do, sub_dt):
 
 def search(do):
     """Sort particles by cell and list the neighbours of each (line 1-2)."""
-    do.cell_index()
-    do.cell_sort()
-    do.reorder()
+    sort(do)
     if do.need.solids:
         do.site_particle()
     if do.settings.neighbours == "kdtree":
         do.kdtree_build()
     list_neighbours(do)
-    longest = int(do.read("neighbour_count").max(initial=0))
-    if longest > do.size("neighbour"):
-        # lists hold the true count even when they overflow: grow and build again, nothing is lost
-        do.resize("neighbour", 16 * (longest // 16 + 1))  # rows of whole cache lines
+    if grown(do, "neighbour", "neighbour_count"):
         list_neighbours(do)
+
+
+def sort(do):
+    """Bring particles into the order of their cells, inactive ones last."""
+    do.cell_index()
+    do.cell_sort()
+    do.reorder()
+
+
+def grown(do, extent, count):
+    """Return whether lists had to grow: they hold the true count even when they overflow, so nothing is lost."""
+    longest = int(do.read(count).max(initial=0))
+    if longest <= do.size(extent):
+        return False
+    do.resize(extent, 16 * (longest // 16 + 1))  # rows of whole cache lines
+    return True
 
 
 def list_neighbours(do):

@@ -63,6 +63,8 @@ ARRAYS |= {"boiling.heat_sum": (4, None), "boiling.constraint": (4, None), "boil
 ARRAYS |= {f"bubble_life.{name}": (4, np.int32) for name in ("bubble_index", "bubble_count", "merge_root", "merge_size", "cargo")}
 ARRAYS |= {f"bubble_life.{name}": (4, None) for name in ("bubble_volume", "bubble_radius")}
 ARRAYS |= {f"bubble_life.{name}": ((3, 4), None) for name in ("position", "velocity")}
+#: Node fields of a terrain grid.
+ARRAYS |= {"terrain.terrain": (99, None), "terrain.field": (99, None), "flood_motion.terrain_wall": (99, None)}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
     ("polar.horn", "A"): 9,

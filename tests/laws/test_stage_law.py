@@ -27,6 +27,9 @@ LONG = {
     "bubble_birth": "one particle becomes four bubbles: all their fields",
     "bubble_merge": "the list of bubbles, their cells and their state; a merged bubble's whole state",
     "boil_heat": "heat exchange of pairs: what (10) weighs by beside what (11) weighs by, so that one stage serves both",
+    "flood_entry": "a column that comes into being: all its fields",
+    "flood_depth": "the coupled solve of depth and support takes walls with it",
+    "flood_sample": "what four means of the water are made of, where, and what is kept of them",
     "rigid": "both the sites and the motion of a body and of its particles",
 }
 

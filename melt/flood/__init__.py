@@ -1,0 +1,1 @@
+"""Floods, host side: initial state, plan, sources, ledgers, maps."""

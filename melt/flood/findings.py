@@ -1,0 +1,115 @@
+"""What can be known of a flood before it runs: its volume, its terrain, its resolution, its cost. Flood spec 2, 7."""
+
+import math
+
+import numpy as np
+
+from melt.flood.limits import limits_of
+from melt.physics.phases import INACTIVE
+
+#: Seconds of a column and sub-step, and of a stage's launch, measured on two cores in single precision.
+COLUMN, LAUNCH = 0.14e-6, 30e-6
+STEEP = 0.5
+
+
+def findings(scene, initial, prepared):
+    """Return [(level, text, fix)]."""
+    found = [("note", note, "") for note in initial.notes]
+    found += _volume(scene, initial)
+    found += _terrain(scene, initial)
+    found += _resolution(scene, initial, prepared)
+    found += _courant(scene, prepared)
+    return found
+
+
+def _volume(scene, initial):
+    """Water at the start and what flows in, in columns."""
+    active = initial["phase"] != INACTIVE
+    start = float(initial["rest_volume"][active].sum())
+    brought = initial.sources.expected_volume(scene.time.end) if initial.sources else 0.0
+    room = int((~active).sum()) * scene.column_volume
+    text = f"water: {start:.6g} m^3 at the start"
+    if brought:
+        text += f", {brought:.6g} m^3 flow in until t = {scene.time.end:g} s, {brought / scene.column_volume:,.0f} columns"
+    found = [("note", text, "")]
+    if brought > room * 1.001:
+        need = math.ceil((brought + start) / scene.column_volume * 1.1)
+        found.append(("warning", f"there is room for {room:.6g} m^3 of what flows in: the inflow will stop", f"fluid.capacity = {need}"))
+    if not start and not brought:
+        found.append(("warning", "there is no water: the run shows a dry terrain", "[[fluid.fill]], [[inflow]], [[edge]] or [rain]"))
+    return found
+
+
+def _terrain(scene, initial):
+    terrain = initial.terrain
+    slope = np.hypot(*np.gradient(terrain.elevation, terrain.cell[1], terrain.cell[0]))
+    share = float((slope[~terrain.blocked] > STEEP).mean())
+    if share > 0.001 and scene.control is None and scene.solver.bed == "gradient":
+        return [
+            (
+                "warning",
+                f"{share:.1%} of the terrain is steeper than {STEEP:g}, where the shallow water equations make water too fast",
+                "add [control], or solver.bed = 'constrained'",
+            )
+        ]
+    return []
+
+
+def _resolution(scene, initial, prepared):
+    cell, found = min(initial.terrain.cell), []
+    if scene.support < cell / 4:
+        found.append(
+            ("warning", f"supports of {scene.support:.3g} m are far below the terrain's cells of {cell:.3g} m: columns see a smooth bed", "a larger fluid.spacing is as good")
+        )
+    far = float(np.abs(initial["position"]).max(initial=0.0))
+    step = float(np.spacing(np.float32(far))) / scene.spacing
+    if prepared.precision == "single" and step > 1e-3:
+        found.append(("warning", f"float32 positions at {far:.3g} m are {step:.1e} spacings apart", "solver.precision = 'mixed'"))
+    return found
+
+
+def _courant(scene, prepared):
+    s = prepared.settings
+    if not s.n_sub:
+        return []
+    number = s.cfl * scene.time.dt / s.n_sub / limits(prepared)["wave"]
+    if number <= 0.7:
+        return [("note", f"sub-steps of {scene.time.dt / s.n_sub:.3g} s: Courant number {number:.2g} in the water at the start", "")]
+    fix = math.ceil(s.n_sub * number / 0.7)
+    return [("warning", f"sub-steps of {scene.time.dt / s.n_sub:.3g} s make a Courant number of {number:.2g}, above 0.7: they are cut", f"time.n_sub = {fix}, or 'auto'")]
+
+
+def limits(prepared, speed=0.0):
+    """Return {bound: seconds} of the sub-step at the start."""
+    s = prepared.settings
+    return limits_of(s.cfl, (s.start_wave + speed) / s.start_length, 0.0, speed / s.start_length)
+
+
+def head(scene, initial, prepared):
+    """Yield the lines that say what a flood is made of."""
+    terrain = initial.terrain
+    ny, nx = terrain.shape
+    yield f"terrain {terrain.name}: {nx} x {ny} nodes, cells of {terrain.cell[0]:.6g} x {terrain.cell[1]:.6g} m, lowest {terrain.datum:.6g} m"
+    yield (
+        f"columns of {scene.column_volume:.6g} m^3, {scene.spacing:g} m apart in water {scene.fluid.reference_depth:g} m deep; support "
+        f"{scene.support:.4g} m there, {s_range(prepared)}; precision {prepared.precision}"
+    )
+    wanted = [k for k, v in vars(prepared.need).items() if v]
+    yield f"requires: {', '.join(wanted) or 'water only'}"
+    yield f"outer step {scene.time.dt:g} s to t = {scene.time.end:g} s"
+
+
+def s_range(prepared):
+    """Return the limits of the support in words."""
+    flood = prepared.params["flood"]
+    return f"between {float(flood.smallest):.4g} and {float(flood.largest):.4g} m"
+
+
+def seconds_per_step(scene, initial, prepared):
+    """Return (sub-steps of an outer step, seconds of it) on two CPU cores."""
+    s = prepared.settings
+    n_sub = s.n_sub or max(1, math.ceil(scene.time.dt / min(limits(prepared).values()) * (1 - 1e-9)))
+    slower = {"single": 1.0, "mixed": 1.3, "double": 1.8}[prepared.precision]
+    waiting = 0.5 * float((initial["phase"] == INACTIVE).sum())
+    columns = initial.active + waiting
+    return n_sub, n_sub * (LAUNCH * len(prepared.stages) + slower * COLUMN * columns)

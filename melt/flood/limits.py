@@ -1,0 +1,26 @@
+"""Time step of a flood. Flood spec E20."""
+
+import math
+
+import numpy as np
+
+
+def limit(do):
+    """Return (longest stable sub-step [s], name of the bound) for the water of now, and keep its speed and support."""
+    s, clock = do.settings, do.clock
+    rows = np.asarray(do.read("flood_bounds"), dtype=np.float64)
+    wave, push, move, clock.max_speed, clock.largest_support = (float(v) for v in rows[:5].max(axis=1))
+    clock.max_acceleration = push
+    do.note("clamped_columns", float(rows[5].sum()))
+    bounds = limits_of(s.cfl, wave, push, move)
+    name = min(bounds, key=bounds.get)
+    return bounds[name], name
+
+
+def limits_of(cfl, wave, push, move):
+    """Return {bound: seconds} of E20 from the largest (sqrt(g d) + |v|)/l, |a|/l and |v|/min(l, terrain cell)."""
+    return {
+        "wave": cfl / max(wave, 1e-12),
+        "force": 0.25 / math.sqrt(max(push, 1e-12)),
+        "terrain": 0.5 / max(move, 1e-12),
+    }

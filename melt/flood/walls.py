@@ -1,0 +1,96 @@
+"""Walls and obstacles of a flood: boundary particles, and the distance to what water may not enter. Flood spec E14."""
+
+import numpy as np
+
+from melt.errors import GeometryError
+from melt.flood.bed import bed_at
+from melt.geometry import barriers
+from melt.geometry.barriers import Boundary
+from melt.geometry.outlines import distance, inside
+
+FAR = 1e30  # [m] where there is nothing to keep away from
+SIDES = ("west", "east", "south", "north")
+
+
+def extent(terrain):
+    """Return the extent of a terrain in world coordinates, in words."""
+    low, high = terrain.world(terrain.bounds[0]), terrain.world(terrain.bounds[1])
+    return f"({low[0]:.10g}, {low[1]:.10g}) to ({high[0]:.10g}, {high[1]:.10g})"
+
+
+def local_outlines(scene, terrain):
+    """Return the obstacles of a scene with their places in local coordinates.
+
+    Raises:
+        GeometryError: one lies outside of the terrain.
+    """
+    found = []
+    for k, obstacle in enumerate(scene.obstacle):
+        moved = {
+            name: terrain.local(np.array(getattr(obstacle, name)).T).T.tolist()
+            for name in ("centre", "polygon", "hole")
+            if getattr(obstacle, name) is not None
+        }
+        outline = obstacle.model_copy(update=moved)
+        low, high = barriers.corners(outline)
+        if (low > terrain.bounds[1]).any() or (high < terrain.bounds[0]).any():
+            raise GeometryError(f"obstacle {k} lies outside of the terrain, {extent(terrain)}: move it, or widen the terrain")
+        found.append(outline)
+    return found
+
+
+def boundary_fields(scene, terrain, outlines):
+    """Return boundary_position (3, b) and boundary_area (b,) of walls, obstacles and blocked ground."""
+    b = scene.boundary
+    driven = {edge.side for edge in scene.edge}
+    sides = [side for side in SIDES if getattr(b, side) == "wall" and side not in driven]
+    if not b.columns or not (sides or outlines or terrain.blocked.any()):
+        return {"boundary_position": np.zeros((3, 0)), "boundary_area": np.zeros(0)}
+    spacing, thick = b.spacing * scene.spacing, b.thickness * scene.support
+    parts = []
+    for outline in outlines:
+        mine = barriers.obstacle_boundary(outline, outline.spacing or spacing, thick)
+        parts.append((mine, lambda x, outline=outline: inside(outline, x)))
+    if sides:
+        parts.append((barriers.rectangle_walls(*terrain.bounds, sides, spacing, thick), None))
+    if terrain.blocked.any():
+        parts.append((barriers.mask_boundary(terrain.blocked, terrain.bounds[0], terrain.cell, spacing, thick), None))
+    found = barriers.union(parts, spacing)
+    z = bed_at(terrain, *found.x, scene.terrain.sampler)
+    return {"boundary_position": np.vstack([found.x, z]), "boundary_area": found.area}
+
+
+def as_boundary(arrays):
+    """Return the `Boundary` of boundary fields."""
+    return Boundary(arrays["boundary_position"][:2], arrays["boundary_area"])
+
+
+def wall_distance(terrain, outlines):
+    """Return the signed distance (ny, nx) [m] of nodes to blocked ground and obstacles; `FAR` without any."""
+    found = np.where(terrain.wall_distance > 1e8, FAR, terrain.wall_distance).astype(float)
+    x = np.stack([a.ravel() for a in np.meshgrid(terrain.x, terrain.y)])
+    for outline in outlines:
+        found = np.minimum(found, distance(outline, x).reshape(found.shape))
+    return found
+
+
+def sort_boundary(arrays, grid):
+    """Sort boundary particles by cell of the neighbour grid, and fill boundary_start and boundary_ring.
+
+    boundary_ring of a cell is the ring of cells in which the nearest boundary particle is.
+    """
+    from scipy.ndimage import distance_transform_cdt
+
+    nx, ny = int(grid["nx"]), int(grid["ny"])
+    x = arrays["boundary_position"]
+    i = np.clip(np.floor((x[0] - grid["origin_x"]) * grid["inverse_cell"]), 0, nx - 1).astype(np.int64)
+    j = np.clip(np.floor((x[1] - grid["origin_y"]) * grid["inverse_cell"]), 0, ny - 1).astype(np.int64)
+    cell = i + nx * j
+    order = np.argsort(cell, kind="stable")
+    arrays["boundary_position"] = np.ascontiguousarray(x[:, order])
+    arrays["boundary_area"] = arrays["boundary_area"][order]
+    arrays["boundary_start"] = np.searchsorted(cell[order], np.arange(nx * ny + 2)).astype(np.int32)
+    taken = np.zeros((ny, nx), bool)
+    taken.ravel()[cell] = True
+    ring = distance_transform_cdt(~taken, "chessboard") if taken.any() else np.full((ny, nx), 1 << 20)
+    arrays["boundary_ring"] = np.concatenate([ring.ravel(), [1 << 20, 1 << 20]]).astype(np.int32)

@@ -1,0 +1,145 @@
+"""Columns with a support h of their own: smoothing functions in two dimensions, depth, reach. Flood spec 0, 1.5, E8, E9.
+
+``h`` is the support radius, twice the smoothing length l of the spline. All take r >= 0 [m] and return 0
+beyond h without a branch, as in `melt.physics.smoothing`; the choice of function is loop-invariant. Where h
+is, too (h_i in a loop over neighbours), 1/h leaves the loop.
+"""
+
+import math
+
+import numpy as np
+
+from melt._compile import scalar
+from melt.params import CUBIC
+
+LEAST_SLOPE = 0.05  # of R in `better_depth`: a column with hardly any neighbour has none
+
+
+@scalar
+def W2(r, h, flood):
+    """Return W(r, h) [1/m^2]: cubic spline or Wendland C2, times the discrete normalisation sigma."""
+    real = type(r)
+    q = r * (real(1) / h)
+    a = max(real(1) - q, real(0))
+    if flood.kernel == CUBIC:
+        # 40/(7 pi h^2) (6q^3 - 6q^2 + 1 | 2(1-q)^3) in one form
+        b = max(real(0.5) - q, real(0))
+        return flood.sigma * real(80 / (7 * math.pi)) / (h * h) * (a * a * a - real(4) * b * b * b)
+    a2 = a * a
+    return flood.sigma * real(7 / math.pi) / (h * h) * (a2 * a2) * (real(4) * q + real(1))
+
+
+@scalar
+def dW2(r, h, flood):
+    """Return dW/dr(r, h) <= 0 [1/m^3]. The gradient is dW2(r) x_ij / r."""
+    real = type(r)
+    q = r * (real(1) / h)
+    a = max(real(1) - q, real(0))
+    if flood.kernel == CUBIC:
+        # min(q, a) = a - 2b without its cancellation
+        b = max(real(0.5) - q, real(0))
+        return flood.sigma * real(-240 / (7 * math.pi)) / (h * h * h) * min(q, a) * (a + real(2) * b)
+    return flood.sigma * real(-140 / math.pi) / (h * h * h) * q * (a * a * a)
+
+
+@scalar
+def dW2_over_r(r2, h, flood):
+    """Return dW/dr / r [1/m^4] from r^2: finite at r = 0, where it is times x_ij = 0."""
+    real = type(r2)
+    inverse = real(1) / h
+    r = math.sqrt(r2)
+    q = r * inverse
+    a = max(real(1) - q, real(0))
+    scale = flood.sigma * (inverse * inverse) * (inverse * inverse)
+    if flood.kernel == CUBIC:
+        b = max(real(0.5) - q, real(0))
+        # min(q, a)/q: 1 within h/2; the floor keeps 1/q finite
+        return real(-240 / (7 * math.pi)) * scale * min(real(1), a / max(q, real(0.25))) * (a + real(2) * b)
+    return real(-140 / math.pi) * scale * (a * a * a)
+
+
+@scalar
+def support_of(V, d, flood):
+    """Return h = ratio sqrt(V/d), clamped; the largest for d <= 0 or NaN, so that a search stays bounded. E8."""
+    h = flood.ratio * math.sqrt(V / d)
+    # every comparison with NaN fails
+    return max(h, flood.smallest) if h < flood.largest else flood.largest
+
+
+@scalar
+def scale2(flood):
+    """Return c with W = c w(q) / h^2 and -r dW/dr = c t(q) / h^2 for the (w, t) of `weights2`."""
+    return flood.sigma * type(flood.sigma)(80 / (7 * math.pi) if flood.kernel == CUBIC else 7 / math.pi)
+
+
+@scalar
+def weights2(q, flood):
+    """Return (w, t) at q = r/h: W and -r dW/dr but for a factor. They share all but a few products."""
+    real = type(q)
+    a = max(real(1) - q, real(0))
+    if flood.kernel == CUBIC:
+        b = max(real(0.5) - q, real(0))
+        return a * a * a - real(4) * b * b * b, real(3) * q * min(q, a) * (a + real(2) * b)
+    cube = a * a * a
+    return a * cube * (real(4) * q + real(1)), real(20) * q * q * cube
+
+
+@scalar
+def support_limit(h, flood):
+    """Return the largest support that a column may take from h on: the growth, within the clamps."""
+    reach = flood.growth * h
+    # every comparison with NaN fails
+    return max(reach, flood.smallest) if reach < flood.largest else flood.largest
+
+
+@scalar
+def wall_share(gamma, flood):
+    """Return the share s of walls that keeps 1 - s gamma at ``shortest_wall`` at least. E14."""
+    real = type(gamma)
+    most = real(1) - flood.shortest_wall
+    return most / gamma if gamma > most else real(1)
+
+
+@scalar
+def better_depth(d, R, S_water, alpha, gamma, free, flood):
+    """Return the depth after a Newton step on R(d); ``free``: the support is not clamped. E9.
+
+    Free, a step changes d by a factor of 2 at most. Clamped, R is linear in d but for walls that get wet or
+    dry, and d is what the water alone sums up to at least. Comparisons let NaN through.
+    """
+    real = type(d)
+    if free:
+        slope = (real(2) * R + alpha) * (real(0.5) / d) - gamma
+        wanted, low = d - R / max(slope, real(LEAST_SLOPE)), real(0.5) * d
+        if wanted > d + d:
+            return d + d
+    else:
+        wanted, low = d - R / (real(1) - gamma), S_water
+    return low if wanted < low else wanted
+
+
+@scalar
+def squared_in_plane(x, y):
+    """Return x^2 + y^2; nothing is fused on the CPU, so that all loops that call it agree on who is near."""
+    return x * x + y * y
+
+
+@scalar
+def squared_reach(h, flood):
+    """Return (growth h)^2, 0 for NaN."""
+    real = type(h)
+    reach = flood.growth * h
+    return reach * reach if reach > real(0) else real(0)
+
+
+@scalar
+def outermost_ring(h, growth, inverse_cell, rings):
+    """Return the largest k <= rings with growth h > (k - 1) cell edges; 0 for h = 0 or NaN."""
+    real = type(h)
+    t = growth * h * inverse_cell
+    if t >= real(rings):
+        return np.int32(rings)
+    if t > real(0):
+        k = np.int32(t)  # k + 1 fails the test where t is whole
+        return k + np.int32(1) if real(k) < t else k
+    return np.int32(0)

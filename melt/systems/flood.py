@@ -1,0 +1,209 @@
+"""Flood: one outer step, stage by stage. "n" is the stage of the flood spec, section 1; "En" its equation.
+
+Columns of water of fixed volume stand on the terrain; the SPH sum of their volumes is the depth. An outer step is
+cut into sub-steps as the water asks for. Leap-frog: positions and depths live at t^n, velocities at t^(n-1/2), so
+that the kicks (3, 10) of two steps are one.
+"""
+
+import math
+
+import numpy as np
+
+from melt.errors import MeltError
+from melt.flood import sources
+from melt.flood.limits import limit
+from melt.systems.melting import grown, sort
+from melt.systems.reads import finite
+
+
+def start(do):
+    """Solve depth and support once, so that the first frame has them, and take the first reading of the maps."""
+    locate(do)
+    water(do)
+    sample(do, 0.0)
+
+
+def step(do, dt):
+    """Advance the state by one outer step of ``dt`` seconds."""
+    if do.clock.step == 0 and do.settings.settle > 0:
+        settle(do)
+    if do.need.entry:
+        enter(do, dt)  # 2
+    left, n = dt, 0
+    while left > 1e-9 * dt:
+        derive(do)  # at t^n
+        sub_dt = next_step(do, dt, left)
+        advance(do, sub_dt)  # to t^(n+1)
+        left -= sub_dt
+        n += 1
+    do.note("n_sub", n)
+    if do.clock.step % do.settings.sample_every == 0:
+        locate(do)
+        water(do)
+        sample(do, dt * do.settings.sample_every)
+    do.clock.step += 1
+
+
+def derive(do):
+    """All that follows from where the columns are."""
+    locate(do)
+    water(do)
+    if do.need.airborne:
+        do.flood_land()
+    if do.need.control and do.clock.sub_step > 0:
+        do.control_brake()  # 8: of the last move
+    forces(do)
+    do.flood_bounds()
+
+
+def rings(do):
+    """Return how many rings of cells the largest support reaches, growth in the next solve included."""
+    s = do.settings
+    return max(1, math.ceil(s.growth * max(do.clock.largest_support, s.support) * s.inverse_cell))
+
+
+def locate(do):
+    """Sort columns by cell and list the neighbours of each (5)."""
+    sort(do)
+    do.cell_support()
+    do.cell_reach(rings=rings(do), empty=0)
+    do.flood_neighbours()
+    if grown(do, "neighbour", "neighbour_count"):
+        do.flood_neighbours()
+    if do.need.walls:
+        do.wall_neighbours()
+        if grown(do, "wall_neighbour", "wall_count"):
+            do.wall_neighbours()
+
+
+def water(do):
+    """Bed under the columns, then depth and support together (6, 7)."""
+    do.bed()
+    do.flood_depth()
+    do.flood_surface()  # E4
+
+
+def forces(do):
+    """Pressure, bed, stabilisation, walls (9)."""
+    if do.need.balanced:
+        do.balanced_force()
+        return
+    do.flood_force()
+    if do.need.walls:
+        do.wall_force()
+    if do.need.constrained:
+        do.bed_curvature()
+        do.constrain_to_bed()
+
+
+def advance(do, sub_dt):
+    """Kick, drag, drift, and keep the columns where water may be (10, 11, 3, 4)."""
+    clock = do.clock
+    # the first kick is a half one: v^0 -> v^(1/2)
+    previous = clock.previous_dt if clock.sub_step or do.settings.first_kick == "half" else sub_dt
+    do.flood_kick(dt=0.5 * (previous + sub_dt))
+    if do.need.drag:
+        do.flood_drag(dt=0.5 * (previous + sub_dt))
+    if do.need.zones:
+        sources.drive(do, sub_dt)
+    do.flood_drift(dt=sub_dt)
+    do.flood_guard()
+    if do.need.outlets:
+        leave(do, ("left_edge", "left_blocked"))
+    if do.need.infiltration:
+        do.infiltrate(rate=do.settings.infiltration, thinnest=do.settings.thinnest, dt=sub_dt)
+        leave(do, (None, None, "infiltrated", "dried"))
+    clock.previous_dt = sub_dt
+    clock.time += sub_dt
+    clock.sub_step += 1
+
+
+def leave(do, names):
+    """Book the volume that left in this sub-step."""
+    rows = np.asarray(do.read("left_volume"), dtype=np.float64)
+    for name, row in zip(names, rows):
+        if name:
+            do.clock.ledger[name] = do.clock.ledger.get(name, 0.0) + finite(math.fsum(row))
+
+
+def enter(do, dt):
+    """Let the columns enter that the inflows bring in this outer step (2)."""
+    sort(do)  # the free slots stand behind the others now
+    do.clock.active = int(do.read("cell_start")[-2])
+    for rows in sources.entries(do, dt):
+        if do.clock.active + rows.count > do.settings.capacity:
+            do.note("inflow_stopped", do.clock.step + 1)
+            break
+        sources.choose(do, rows)
+        do.enter(count=rows.count, slot=do.clock.active, density=do.settings.density, first_id=do.clock.next_id)
+        do.clock.active += rows.count
+        do.clock.next_id += rows.count
+
+
+def sample(do, dt):
+    """Depth at the points of maps and at gauges (12)."""
+    if not do.need.samples:
+        return
+    s = do.settings
+    do.cell_support()
+    do.cell_reach(rings=rings(do), empty=1)
+    do.flood_sample()
+    do.keep_most(time=do.clock.time, dt=dt)
+    if s.gauges:
+        sources.read_gauges(do)
+
+
+def settle(do):
+    """Relaxation start: let the water come to rest before t = 0 (E6, judgement b)."""
+    clock, s = do.clock, do.settings
+    spent = 0.0
+    while spent < s.settle:
+        derive(do)
+        sub_dt = min(limit(do)[0], s.settle - spent)
+        do.flood_kick(dt=sub_dt)
+        do.damp_columns(factor=math.exp(-sub_dt / s.settle_time))
+        do.flood_drift(dt=sub_dt)
+        do.flood_guard()
+        spent += sub_dt
+        clock.sub_step += 1
+        if spent > s.settle_time and clock.max_speed < s.settle_speed:
+            break
+    do.damp_columns(factor=0.0)
+    do.note("settled_speed", clock.max_speed)
+    clock.previous_dt, clock.sub_step = 0.0, 0
+
+
+def next_step(do, dt, left):
+    """Return the sub-step [s]: the rest of the outer step in the fewest equal parts that the limits allow.
+
+    Raises:
+        MeltError: a column is faster than anything in the scene could be, or the limits ask for too many sub-steps.
+    """
+    s, clock = do.settings, do.clock
+    longest, governing = limit(do)
+    if not math.isfinite(clock.max_speed):
+        return left  # `Simulation.step` tells which column
+    if clock.max_speed > s.top_speed:
+        raise MeltError(
+            f"t = {clock.time:.5g} s: a column moves at {clock.max_speed:.3g} m/s, faster than solver.top_speed = {s.top_speed:g} m/s. "
+            "Steep terrain makes shallow water fast: add a [control] section, smooth the terrain, or raise solver.top_speed"
+        )
+    n = max(1, math.ceil(left / longest * (1 - 1e-9)))
+    if s.n_sub:
+        n = max(1, round(s.n_sub * left / dt))
+        do.warning = ""
+        if dt / s.n_sub > longest * 0.7 / s.cfl * 1.0001:
+            do.warning = (
+                f"time.n_sub = {s.n_sub} makes sub-steps of {dt / s.n_sub:.3g} s, above a Courant number of 0.7 ({governing}). "
+                f"Fix: time.n_sub = {math.ceil(dt / longest)}, or 'auto'"
+            )
+            n = max(n, math.ceil(left / (longest * 0.7 / s.cfl) * (1 - 1e-9)))
+    elif n > s.n_sub_max:
+        raise MeltError(
+            f"time step: at t = {clock.time:.4g} s the bound '{governing}' allows sub-steps of {longest:.3g} s, {n} of them in "
+            f"what is left of dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max}: lower time.dt or raise time.n_sub_max"
+        )
+    do.note("governing_bound", "given" if s.n_sub else governing)
+    do.note("step_over_limit", left / n / longest)
+    return left / n
+
