@@ -146,8 +146,7 @@ def _rows_within(transform, shape, window):
     """Return ((first row, first column), (rows, columns)) of cells with their centre within a clip."""
     first, count = [], []
     for axis, (step, start) in enumerate(((transform[4], transform[5]), (transform[0], transform[2]))):
-        low, high = (corner[1 - axis] if corner is not None else None for corner in window)
-        ends = [e for e in (low, high)]
+        ends = [corner[1 - axis] if corner is not None else None for corner in window]
         # half a cell: centre k is at start + (k + 1/2) step
         at = [None if e is None else (e - start) / step - 0.5 for e in ends]
         if step < 0:
@@ -192,6 +191,8 @@ def _read_asc(path):
     missing += [] if "cellsize" in head or {"dx", "dy"} <= set(head) else ["cellsize (or dx and dy)"]
     if missing:
         raise GeometryError(f"terrain file {path.name}: its header lacks {', '.join(missing)}; is it ESRI ASCII?")
+    if odd := [k for k, v in head.items() if not np.isfinite(v) and k != "nodata_value"]:
+        raise GeometryError(f"terrain file {path.name}: {odd[0]} = {head[odd[0]]} is not finite")
     nx, ny = int(head["ncols"]), int(head["nrows"])
     affordable(nx * ny, f"terrain file {path.name}")
     with warnings.catch_warnings():
@@ -254,15 +255,14 @@ def _from_parts(parts, path, cell, crs, nodata):
     if nodata is not None:
         values[values == float(np.ravel(nodata)[0])] = np.nan
     if "x" not in parts or "y" not in parts:
-        notes = []
-        raster = Raster(values[::-1], _placed(z.shape[0], path, cell, notes), crs, path.name)
-        raster.notes += notes + ["row 0 of the file is taken as south"]
-        return raster
+        notes = ["row 0 of the file is taken as south"]
+        return Raster(values[::-1], _placed(z.shape[0], path, cell, notes), crs, path.name, notes=notes)
     x, y = np.asarray(parts["x"], float), np.asarray(parts["y"], float)
-    x, y = x[0] if x.ndim == 2 else x, y[:, 0] if y.ndim == 2 else y
+    x, y = x[0] if x.ndim == 2 else np.ravel(x), y[:, 0] if y.ndim == 2 else np.ravel(y)
     if (len(y), len(x)) != z.shape:
+        hint = ": transpose it" if (len(x), len(y)) == z.shape else ""
         raise GeometryError(
-            f"terrain file {path.name}: z is {z.shape} and must be (len(y), len(x)) = {(len(y), len(x))}: transpose it"
+            f"terrain file {path.name}: z is {z.shape} and must be (len(y), len(x)) = {(len(y), len(x))}{hint}"
         )
     dx, dy = _even(x, "x", path), _even(y, "y", path)
     # the affine of a file whose row 0 is y[0], whichever way y and x run

@@ -6,7 +6,7 @@ from melt.errors import GeometryError
 
 #: Numbers that programs write for "no elevation".
 MARKS = (-9999.0, -32768.0, -32767.0, -99999.0, 9999.0, 32767.0)
-MOST_HARMONIC = 2_000_000  # nodes that are filled smoothly; larger gaps take the nearest elevation
+MOST_HARMONIC = 200_000  # nodes that are filled smoothly (seconds); larger gaps take the nearest elevation
 
 
 def mark_nodata(raster, nodata_value):
@@ -81,7 +81,8 @@ def _nearest(values, missing, cell):
 def _harmonic(values, missing, cell):
     """Solve Laplace's equation in the gaps: smooth, and between the lowest and highest of the rim.
 
-    Edges of the raster are insulated (no flux), so the matrix is symmetric and conjugate gradients do.
+    Edges of the raster are insulated (no flux). A direct solver: conjugate gradients took some fifteen times as
+    long at 200,000 nodes.
     """
     from scipy import sparse
 
@@ -105,10 +106,9 @@ def _harmonic(values, missing, cell):
             columns.append(column[gap])
             weights.append(np.full(int(gap.sum()), -weight))
     index = np.arange(n)
-    matrix = sparse.csr_matrix(
+    matrix = sparse.csc_matrix(
         (np.concatenate([*weights, diagonal]), (np.concatenate([*rows, index]), np.concatenate([*columns, index]))),
         shape=(n, n),
     )
-    precondition = sparse.diags(1 / diagonal)
-    filled, _ = sparse.linalg.cg(matrix, right, values[missing], rtol=1e-6, maxiter=2000, M=precondition)
+    filled = sparse.linalg.splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
     values[missing] = np.clip(filled, values[~missing].min(), values[~missing].max())

@@ -229,7 +229,7 @@ def check(name, given):
             raise ValueError(f"{key} = {value!r} is not finite")
         if key in _ABOVE_ZERO and not numbers[0] > 0:
             raise ValueError(f"{key} = {value!r} must be greater than 0")
-        clean[key] = tuple(numbers) if pair else numbers[0]
+        clean[key] = numbers if pair else numbers[0]
     SHAPES[name](np.zeros((1, 1)), np.zeros((1, 1)), **clean)  # what the values together forbid
     return clean
 

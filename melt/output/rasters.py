@@ -101,12 +101,12 @@ def _geotiff(path, north, grid, nodata, unit):
 
 
 def _asc(north, grid, nodata):
-    a, _, c, _, e, f = grid.transform
+    a, _, c, _, e, f = map(float, grid.transform)
     ny, nx = north.shape
     # dx and dy are GDAL's extension for cells that are not square
     square = abs(a + e) <= 1e-9 * a
-    cells = [f"cellsize {a:.17g}"] if square else [f"dx {a:.17g}", f"dy {-e:.17g}"]
-    head = [f"ncols {nx}", f"nrows {ny}", f"xllcorner {c:.17g}", f"yllcorner {f + ny * e:.17g}", *cells]
+    cells = [f"cellsize {a!r}"] if square else [f"dx {a!r}", f"dy {-e!r}"]
+    head = [f"ncols {nx}", f"nrows {ny}", f"xllcorner {c!r}", f"yllcorner {f + ny * e!r}", *cells]
     text = io.StringIO()
     text.write("\n".join([*head, f"NODATA_value {nodata:.9g}", ""]))
     np.savetxt(text, north, fmt="%.9g")

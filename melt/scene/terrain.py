@@ -3,7 +3,7 @@
 import difflib
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, StrictBool, field_validator, model_validator
 
 from melt.errors import UnitError
 from melt.geometry import terrain_shapes
@@ -79,7 +79,7 @@ class Terrain(Section):
     """Reference system of a file that names none, such as "EPSG:32756"."""
     reproject: str | Literal[False] = False
     """Reference system to warp to: "utm" (the zone of its middle) or "EPSG:..."; false takes it as it is."""
-    resample: Literal[False, True] | PositiveLength = False
+    resample: Annotated[PositiveLength | StrictBool, Field(union_mode="left_to_right")] = False
     """true: a rotated raster is resampled to north-up; a number: resampled to that cell [m]."""
     raised: list[Raised] = []
     """Buildings and levees ([[terrain.raised]])."""

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from terrain_files import UTM56, hide_rasterio, hill, hill_tif, terrain, write_tif
 
+from melt.geometry import terrain_nodata
 from melt.geometry.terrain import FAR
 from melt.geometry.terrain_zones import manning_grid
 from melt.scene.terrain import Friction
@@ -227,6 +228,13 @@ def test_nodata_is_filled_with_the_plane_around_it(tmp_path):
     assert not grid.blocked.any() and not grid.open.any()
     assert bed(grid) == pytest.approx(hill(12, 14)[0], abs=1e-3)  # harmonic: a plane is its own fill
     assert any("12 of 168 nodes" in note and "filled" in note for note in grid.notes)
+
+
+def test_a_large_gap_takes_the_nearest_elevation(tmp_path, monkeypatch):
+    monkeypatch.setattr(terrain_nodata, "MOST_HARMONIC", 11)
+    grid = terrain(file=holed(tmp_path / "a.tif"), nodata="fill")
+    assert bed(grid)[5, 5] == bed(grid)[5, 4] and bed(grid)[4, 6] == bed(grid)[3, 6]
+    assert any("filled from the nearest one" in note for note in grid.notes)
 
 
 def test_distances_know_cells_that_are_not_square(tmp_path):

@@ -1,13 +1,19 @@
 """Terrains that cannot be used: each is refused in one sentence that names the remedy."""
 
+import tomllib
+
 import numpy as np
 import pytest
+from pydantic import ValidationError
 from terrain_files import hide_rasterio, hill, hill_tif, terrain, write_tif
 
 from melt.errors import GeometryError
 from melt.geometry import terrain_files as files
 from melt.geometry.terrain_zones import manning_grid
-from melt.scene.terrain import Friction, Terrain
+from melt.scene.messages import explain
+from melt.scene.quantities import Section
+from melt.scene.terrain import Friction, Terrain, resolve_terrain_files
+from melt.scene.toml import dumps
 
 HEAD = "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
 
@@ -152,6 +158,7 @@ def test_pictures_are_no_elevations(tmp_path):
         (HEAD.replace("cellsize 1\n", "") + "1 2 3 4\n" * 3, "lacks cellsize"),
         (HEAD.replace("xllcorner 0\n", "") + "1 2 3 4\n" * 3, "lacks xllcorner"),
         (HEAD.replace("cellsize 1", "cellsize -1") + "1 2 3 4\n" * 3, "greater than 0"),
+        (HEAD.replace("nrows 3", "nrows nan") + "1 2 3 4\n" * 3, "nrows = nan is not finite"),
         ("", "lacks ncols"),
     ],
 )
@@ -165,7 +172,8 @@ def test_bad_arrays(tmp_path):
     cases = {
         "holds w": dict(w=z), "it holds z": dict(z=z[0], x=x, y=y), "transpose it": dict(z=z.T, x=x, y=y),
         "x is not evenly spaced": dict(z=z, x=x**2, y=y), "give terrain.cell": dict(z=z),
-        "numbers": dict(z=z.astype(str), x=x, y=y),
+        "numbers": dict(z=z.astype(str), x=x, y=y), "must be (len(y), len(x)) = (1, 8)": dict(z=z, x=x, y=3.0),
+        "y is not evenly spaced": dict(z=z, x=x, y=y * np.nan),
     }  # fmt: skip
     for said, parts in cases.items():
         np.savez(tmp_path / "a.npz", **parts)
@@ -261,3 +269,59 @@ def test_sections_that_do_not_fit(keys, said):
 def test_friction_that_does_not_fit(keys, said):
     with pytest.raises(ValueError, match=said):
         Friction(**keys)
+
+
+class _Flood(Section):
+    terrain: Terrain
+    friction: Friction | None = None
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ({"terrain": {"fil": "a.tif"}}, "terrain.fil is not a known key; did you mean 'file'?"),
+        ({"terrain": {"file": "a.tif", "raise": []}}, "terrain.raise is not a known key; did you mean 'raised'?"),
+        ({"terrain": {"file": "a.tif", "nodata": "hole"}}, "terrain.nodata = 'hole' is not allowed"),
+        ({"terrain": {"file": "a.tif", "lower": [1]}}, "a list of 2 values"),
+        ({"terrain": {"file": "a.tif", "resample": "no"}}, "terrain.resample = 'no' is not allowed"),
+        ({"terrain": {"file": "a.tif", "cell": -1}}, "greater than 0"),
+        ({"terrain": {"file": "a.tif", "raised": [{"polygn": []}]}}, "terrain.raised.0.polygn is not a known key"),
+        ({"terrain": {"file": "a.tif", "raised": [{"polygon": [[0, 0], [1, 1]]}]}}, "terrain.raised.0.polygon"),
+        ({"terrain": {"file": "a.tif"}, "friction": {"maning": 1}}, "did you mean 'manning'?"),
+        ({"terrain": {"shape": "flat", "cell": 1, "lower": [0, 0], "upper": [1, 1], "parameters": {"x": 1}}}, "it takes height"),
+    ],
+)  # fmt: skip
+def test_keys_are_refused_in_words(data, said):
+    with pytest.raises(ValidationError) as caught:
+        _Flood.model_validate(data)
+    assert said in explain(caught.value, data, "scene x", _Flood)
+
+
+def test_sections_come_back_from_toml_and_have_a_schema():
+    data = {
+        "terrain": {
+            "shape": "bump", "parameters": {"centre": [1.0, 2.0], "height": "20 cm"}, "cell": [1.0, 2.0],
+            "lower": [0, 0], "upper": [9, 8], "raised": [{"line": [[0, 1], [2, 3]], "width": 1, "crest": 4}],
+        },
+        "friction": {"manning": 0.04, "zone": [{"polygon": [[0, 0], [1, 0], [1, 1]], "manning": 0.02}]},
+    }  # fmt: skip
+    section = _Flood.model_validate(data)
+    assert section.terrain.parameters == {"centre": [1.0, 2.0], "height": 0.2}
+    again = _Flood.model_validate(tomllib.loads(dumps(section.model_dump(exclude_none=True))))
+    assert again == section
+    assert "nodata_value" in _Flood.model_json_schema()["$defs"]["Terrain"]["properties"]
+
+
+def test_files_beside_the_scene_are_found_from_anywhere(tmp_path):
+    for name in ("a.tif", "b.csv", "n.tif", "z.csv"):
+        (tmp_path / name).write_text("")
+    data = {
+        "terrain": {"file": "a.tif", "raised": [{"file": "b.csv"}, {"polygon": []}, 3]},
+        "friction": {"raster": "n.tif", "zone": [{"file": "z.csv"}, {"file": "none.csv"}]},
+    }
+    resolve_terrain_files(data, tmp_path)
+    assert data["terrain"]["file"] == str(tmp_path / "a.tif")
+    assert data["terrain"]["raised"][0]["file"] == str(tmp_path / "b.csv")
+    assert data["friction"]["raster"] == str(tmp_path / "n.tif")
+    assert [z["file"] for z in data["friction"]["zone"]] == [str(tmp_path / "z.csv"), "none.csv"]
+    resolve_terrain_files({"terrain": "oops", "friction": {"zone": 3}}, tmp_path)
