@@ -31,6 +31,8 @@ LONG = {
     "flood_depth": "the coupled solve of depth and support takes walls with it",
     "flood_sample": "what four means of the water are made of, where, and what is kept of them",
     "rigid": "both the sites and the motion of a body and of its particles",
+    "flood_force": "both partners' state, two supports of a pair, and the slope under the column",
+    "flood_balanced": "as flood_force, with the bed of both partners, and walls and terrain in its closure",
 }
 
 

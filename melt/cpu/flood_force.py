@@ -1,0 +1,136 @@
+"""CPU twin of `melt.reference.flood_force`.
+
+The loop over pairs fetches 8 numbers of a partner, and that is most of its cost: measured at 59,536 columns with 25.7
+listed, float32, 2 threads: 1.7 ms for the fetching alone, 2.8 ms in all.
+"""
+
+import math
+
+import numpy as np
+
+from melt._compile import cpu_helper, cpu_stage, prange
+from melt.cpu._flood_pairs import LANES, padded_row
+from melt.physics.flood_forces import (
+    coincident,
+    own_weight,
+    pair_factors,
+    pressure_divisor,
+    pressure_pair,
+    pressure_weight,
+    separation,
+    slope_scale,
+    slope_shape,
+    stabilisation,
+    wall_slope,
+    wall_stage,
+)
+from melt.physics.phases import LIQUID
+
+
+@cpu_helper
+def _pairs(i, row, stop, position, velocity, rest_volume, depth, support_radius, support_factor, flood):
+    """Return the acceleration of i by the columns of a padded row, and how many stand where i does, padding too."""
+    real = type(flood.gravity)
+    wide = position.dtype.type
+    x_i, y_i, u_i, v_i = position[0, i], position[1, i], velocity[0, i], velocity[1, i]
+    h_i, d_i, one = support_radius[i], depth[i], real(1)
+    wave_i, inverse_i = math.sqrt(flood.gravity * d_i), one / h_i
+    scale_i, c_i = slope_scale(inverse_i, flood), own_weight(d_i, support_factor[i], flood)
+    ax = ay = wide(0)
+    same = real(0)
+    for k in range(np.uint64(stop) // np.uint64(LANES) * np.uint64(LANES)):
+        j = np.uint64(row[k])
+        x, y = real(x_i - position[0, j]), real(y_i - position[1, j])
+        u, v = velocity[0, j] - u_i, velocity[1, j] - v_i
+        h_j, d_j, V_j = support_radius[j], depth[j], rest_volume[j]
+        divisor = pressure_divisor(d_j, support_factor[j], flood)
+        r = math.sqrt(x * x + y * y)
+        close = coincident(r, h_i + h_j)
+        same += real(close)  # a sum of selected ones is not vectorised
+        safe = max(r, real(1e-12))
+        t = one / (h_j * safe * divisor)  # one division for three
+        inverse_j = t * safe * divisor
+        slope_i = scale_i * slope_shape(r * inverse_i, flood)
+        slope_j = slope_scale(inverse_j, flood) * slope_shape(r * inverse_j, flood)
+        mean = real(0.5) * (slope_i + slope_j)
+        push, g = stabilisation(r, -(u * x + v * y), mean, h_i + h_j, d_i, d_j, wave_i, flood)
+        push += pressure_pair(slope_i, slope_j, c_i, pressure_weight(d_j, t * safe * h_j, flood), flood)
+        V_j = real(0) if close else V_j
+        f = -push * (t * h_j * divisor)
+        ax += V_j * (f * x + g * u)
+        ay += V_j * (f * y + g * v)
+    return ax, ay, same
+
+
+@cpu_helper
+def _coincident(i, row, count, id, position, velocity, rest_volume, depth, support_radius, support_factor, flood):
+    """Return the acceleration of i by the columns that stand where i does."""
+    real = type(flood.gravity)
+    ax = ay = position.dtype.type(0)
+    c_i = own_weight(depth[i], support_factor[i], flood)
+    for k in range(count):
+        j = row[k]
+        x, y = real(position[0, i] - position[0, j]), real(position[1, i] - position[1, j])
+        h_i, h_j = support_radius[i], support_radius[j]
+        if coincident(math.sqrt(x * x + y * y), h_i + h_j):
+            x, y = separation(id[i], id[j], h_i + h_j)
+            u, v = velocity[0, j] - velocity[0, i], velocity[1, j] - velocity[1, i]
+            c_j = own_weight(depth[j], support_factor[j], flood)
+            f, g = pair_factors(x, y, u, v, depth[i], depth[j], h_i, h_j, c_i, c_j, flood)
+            ax += rest_volume[j] * (f * x + g * u)
+            ay += rest_volume[j] * (f * y + g * v)
+    return ax, ay
+
+
+@cpu_stage
+def flood_force(
+    id, position, velocity, phase, rest_volume, depth, support_radius, support_factor, bed_slope, neighbour_count,
+    neighbour_index, flood, acceleration,
+):
+    """See `melt.reference.flood_force.flood_force`."""
+    real = type(flood.gravity)
+    n = phase.shape[0]
+    for chunk in prange(64):
+        piece = (chunk * 37) % 64  # dealt out: inactive slots stand together
+        row = np.empty(neighbour_index.shape[1] + LANES, np.int32)
+        for i in range(n * piece // 64, n * (piece + 1) // 64):
+            if phase[i] != LIQUID:
+                acceleration[0, i] = acceleration[1, i] = real(0)
+                continue
+            count, stop = padded_row(i, neighbour_count, neighbour_index, row)
+            ax, ay, same = _pairs(
+                i, row, stop, position, velocity, rest_volume, depth, support_radius, support_factor, flood,
+            )
+            if same > real(stop - count):
+                bx, by = _coincident(
+                    i, row, count, id, position, velocity, rest_volume, depth, support_radius, support_factor, flood,
+                )
+                ax += bx
+                ay += by
+            acceleration[0, i] = real(ax) - flood.gravity * bed_slope[0, i]
+            acceleration[1, i] = real(ay) - flood.gravity * bed_slope[1, i]
+
+
+@cpu_stage
+def wall_force(
+    position, phase, depth, bed, support_radius, support_factor, wall_count, wall_index, boundary_position,
+    boundary_area, flood, acceleration,
+):
+    """See `melt.reference.flood_force.wall_force`."""
+    real = type(flood.gravity)
+    wide = position.dtype.type
+    for i in prange(wall_count.shape[0]):  # 0 without walls
+        if phase[i] != LIQUID:
+            continue
+        h_i, surface = support_radius[i], wide(bed[i] + depth[i])
+        c_i = own_weight(depth[i], support_factor[i], flood)
+        ax = ay = wide(0)
+        for k in range(np.uint64(min(np.int64(wall_count[i]), wall_index.shape[1]))):
+            b = np.uint64(wall_index[i, k])
+            x, y = real(position[0, i] - boundary_position[0, b]), real(position[1, i] - boundary_position[1, b])
+            carried = wall_stage(real(surface - boundary_position[2, b]), flood)
+            f = -c_i * carried * boundary_area[b] * wall_slope(math.sqrt(x * x + y * y), h_i, flood)
+            ax += f * x
+            ay += f * y
+        acceleration[0, i] += real(ax)
+        acceleration[1, i] += real(ay)
