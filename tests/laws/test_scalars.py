@@ -65,6 +65,7 @@ ARRAYS |= {f"bubble_life.{name}": (4, None) for name in ("bubble_volume", "bubbl
 ARRAYS |= {f"bubble_life.{name}": ((3, 4), None) for name in ("position", "velocity")}
 #: Node fields of a terrain grid.
 ARRAYS |= {"terrain.terrain": (99, None), "terrain.field": (99, None), "flood_motion.terrain_wall": (99, None)}
+ARRAYS |= {"flood_forces.terrain": (99, None), "flood_control.terrain": (99, None)}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
     ("polar.horn", "A"): 9,
