@@ -5,7 +5,7 @@ import pathlib
 import time
 
 from experiments import load, names
-from experiments._results import markdown, provenance_line
+from experiments._results import markdown, provenance_line, sections_of, title
 
 
 def main():
@@ -26,9 +26,12 @@ def main():
         print(f"== {name}: {time.perf_counter() - began:.0f} s", flush=True)
     there = [n for n in names() if (folder / f"{n}.h5").exists()]
     sections = [(load(n), load(n).report(folder / f"{n}.h5")) for n in there]
-    not_run = [n for n in names() if n not in there]
-    text = markdown(sections, provenance_line(), not_run)
     target = folder / "results.md" if given.quick else pathlib.Path("docs/results.md")
+    kept = sections_of(target.read_text()) if target.exists() else {}
+    known = {title(load(n)) for n in names()}
+    kept = {heading: text for heading, text in kept.items() if heading in known}
+    not_run = [n for n in names() if n not in there and title(load(n)) not in kept]
+    text = markdown(sections, provenance_line(), not_run, kept)
     target.write_text(text)
     print(f"wrote {target}")
 

@@ -10,8 +10,45 @@ def provenance_line():
     return ", ".join(f"{k} {facts[k]}" for k in keep if facts.get(k))
 
 
-def markdown(sections, made_with, not_run=()):
-    """Return the page: one table per experiment, misses marked."""
+def title(module):
+    """Return the heading of an experiment's section."""
+    return (module.__doc__ or "").strip().partition("\n")[0].rstrip(".")
+
+
+def sections_of(page):
+    """Return {heading: text of its section} of a page that `markdown` made."""
+    return {part.partition("\n")[0]: f"## {part.strip()}\n" for part in page.split("\n## ")[1:]}
+
+
+def _counts(text):
+    """Return (bounds, misses as text) of a section."""
+    rows = [line.split(" | ") for line in text.splitlines() if line.startswith("| ") and line.count(" | ") >= 4]
+    judged = [row for row in rows if len(row) > 4 and row[4].strip() in ("yes", "**MISS**")]
+    return len(judged), [f"{row[0][2:]} ({row[2]})" for row in judged if row[4].strip() == "**MISS**"]
+
+
+def _section(module, rows):
+    first, _, rest = (module.__doc__ or "").strip().partition("\n")
+    lines = [f"## {first.rstrip('.')}", "", rest.strip(), ""] if rest.strip() else [f"## {first.rstrip('.')}", ""]
+    lines += ["| case | expected | measured | bound | ok | note |", "|---|---|---|---|---|---|"]
+    for row in rows:
+        ok = {True: "yes", False: "**MISS**", None: ""}[row.ok]
+        cells = (row.name, row.expected, row.measured, row.bound, ok, row.note)
+        lines.append("| " + " | ".join(str(c).replace("|", "/").replace("\n", " ") for c in cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def markdown(sections, made_with, not_run=(), kept=None):
+    """Return the page: one table per experiment, misses marked.
+
+    ``sections``: (module, rows) of what was run; ``kept``: {heading: text} of an earlier page, for what was not.
+    """
+    texts = {title(module): _section(module, rows) for module, rows in sections}
+    earlier = [heading for heading in (kept or {}) if heading not in texts]
+    texts = {**(kept or {}), **texts}
+    counted = [_counts(text) for text in texts.values()]
+    misses = [miss for _, found in counted for miss in found]
+    total = sum(count for count, _ in counted)
     lines = [
         "# Results",
         "",
@@ -21,21 +58,12 @@ def markdown(sections, made_with, not_run=()):
         "`ok` is **MISS** where the measured value is outside its bound; rows without a bound claim nothing.",
         "",
     ]
-    misses = [f"{row.name} ({row.measured})" for _, rows in sections for row in rows if row.ok is False]
-    total = sum(row.ok is not None for _, rows in sections for row in rows)
     lines += [
         f"{total - len(misses)} of {total} bounds hold." + (" Misses: " + "; ".join(misses) + "." if misses else ""),
         "",
     ]
     if not_run:
         lines += ["Not run for this page: " + ", ".join(not_run) + ".", ""]
-    for module, rows in sections:
-        first, _, rest = (module.__doc__ or "").strip().partition("\n")
-        lines += [f"## {first.rstrip('.')}", "", rest.strip(), ""] if rest.strip() else [f"## {first.rstrip('.')}", ""]
-        lines += ["| case | expected | measured | bound | ok | note |", "|---|---|---|---|---|---|"]
-        for row in rows:
-            ok = {True: "yes", False: "**MISS**", None: ""}[row.ok]
-            cells = (row.name, row.expected, row.measured, row.bound, ok, row.note)
-            lines.append("| " + " | ".join(str(c).replace("|", "/") for c in cells) + " |")
-        lines.append("")
-    return "\n".join(lines)
+    if earlier:
+        lines += ["Sections kept from an earlier page, not run again for this one: " + "; ".join(earlier) + ".", ""]
+    return "\n".join(lines) + "\n" + "\n".join(texts.values())
