@@ -45,7 +45,7 @@ TABLE = [
     ("zone_box", "4 zone", "position", "m", "spacing", "x from, x to, y from, y to of the strip whose columns are driven"),
     ("zone_probe", "4 zone", "position", "m", "spacing", "the same of the strip beside it, where the water is measured"),
     ("zone_normal", "2 zone", "real", "1", "one", "unit vector from the edge into the water"),
-    ("zone_sums", "3 zone", "double", "m^2, m^3/s, m^3", "one", "sums over the probe of area A, V v . n and V"),
+    ("zone_sums", "3 zone", "double", "m^2, m^4/s, m^3", "one", "sums over the probe of area A, V v . n and V"),
     ("zone_speed", "zone", "real", "m/s", "speed", "v . n that the columns of the zone take"),
     # maps and gauges
     ("sample_position", "2 sample", "position", "m", "spacing", "point of a map or gauge"),

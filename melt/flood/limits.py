@@ -5,13 +5,23 @@ import math
 import numpy as np
 
 
+CLAMPED = 0.05  # share of columns at a limit of their support from which a run warns
+
+
 def limit(do):
     """Return (longest stable sub-step [s], name of the bound) for the water of now, and keep its speed and support."""
     s, clock = do.settings, do.clock
     rows = np.asarray(do.read("flood_bounds"), dtype=np.float64)
     wave, push, move, clock.max_speed, clock.largest_support = (float(v) for v in rows[:5].max(axis=1))
     clock.max_acceleration = push
-    do.note("clamped_columns", float(rows[5].sum()))
+    clamped = float(rows[5].sum())
+    do.note("clamped_columns", clamped)
+    if clamped > CLAMPED * max(clock.active, 1):
+        do.warning = (
+            f"support radii: those of {clamped / clock.active:.0%} of the columns are at a limit "
+            f"(solver.support_limits = {[round(float(f), 4) for f in s.support_limits]} of {s.support:.4g} m): the depth there is "
+            "not resolved. Fix: a smaller fluid.spacing or fluid.reference_depth, or wider limits"
+        )
     bounds = limits_of(s.cfl, wave, push, move)
     name = min(bounds, key=bounds.get)
     return bounds[name], name

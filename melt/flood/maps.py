@@ -26,7 +26,7 @@ def maps_of(sim):
         values = sim.state.read(field)[:nodes].astype(np.float32).reshape(terrain.shape)
         if name == "arrival_time":
             values = np.where(values < 0, np.float32(dry), values)
-        values[terrain.blocked] = np.nan
+        values[terrain.blocked | terrain.open] = np.nan
         found[name] = values
     return found
 
@@ -34,7 +34,7 @@ def maps_of(sim):
 def begin(sim, writer):
     """Write the bed into a run file that begins: pictures are drawn on it."""
     terrain = sim.initial.terrain
-    bed = np.where(terrain.blocked, np.nan, terrain.elevation + terrain.datum).astype(np.float32)
+    bed = np.where(terrain.blocked | terrain.open, np.nan, terrain.elevation + terrain.datum).astype(np.float32)
     writer.store({"bed": bed}, facts_of(terrain))
 
 

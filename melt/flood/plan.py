@@ -66,12 +66,16 @@ def settings_of(scene, initial):
         capacity=initial["id"].size,
         infiltration=0.0 if scene.infiltration is None else scene.infiltration.rate,
         thinnest=0.05 * scene.column_volume,
+        least_seepage=1e-4 * scene.fluid.reference_depth,
         sample_every=scene.output.gauge_every,
         gauges=[gauge.name for gauge in scene.gauge],
         nodes=initial.map_nodes,
         sources=initial.sources,
         datum=initial.terrain.datum,
         column_volume=scene.column_volume,
+        support_limits=s.support_limits,
+        # water that runs onto open ground leaves, what gets stuck in walls is lost
+        blocked_ledger="left_edge" if initial.terrain.open.any() else "left_blocked",
     )
 
 
@@ -133,7 +137,7 @@ def params_of(scene, initial, real):
         ),
         "basin": basin_of(scene, initial, real),
         "friction": P.make(
-            P.Friction, real, law=LAWS[friction.law] if friction else 0, value=friction.manning if friction else 0.0,
+            P.Friction, real, law=LAWS[friction.law] if friction else 0, value=friction.coefficient if friction else 0.0,
             mapped=int(initial["terrain_friction"].size > 0), thinnest=1e-3, control=int(scene.control is not None),
         ),
         "sampling": P.make(P.Sampling, real, cover=0.5, wet=scene.output.wet_depth),

@@ -86,7 +86,7 @@ def _one(scene, terrain, outlines, pool, name, earlier, notes):
         for other in earlier:
             taken |= other(X, Y)
         row, column = terrain.node(np.stack([x, y]))
-        blocked = terrain.blocked[np.clip(row, 0, terrain.shape[0] - 1), np.clip(column, 0, terrain.shape[1] - 1)]
+        blocked = (terrain.blocked | terrain.open)[np.clip(row, 0, terrain.shape[0] - 1), np.clip(column, 0, terrain.shape[1] - 1)]
         return mine(X, Y) & free(x, y) & ~taken & ~blocked
 
     equal = fluid.layout == "equal_mass"

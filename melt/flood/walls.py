@@ -1,5 +1,7 @@
 """Walls and obstacles of a flood: boundary particles, and the distance to what water may not enter. Flood spec E14."""
 
+import dataclasses
+
 import numpy as np
 
 from melt.errors import GeometryError
@@ -9,6 +11,7 @@ from melt.geometry.barriers import Boundary
 from melt.geometry.outlines import distance, inside
 
 FAR = 1e30  # [m] where there is nothing to keep away from
+STEEP = 1e6  # [1] how fast the distance falls into open ground: so deep at once that nothing is pushed back out
 SIDES = ("west", "east", "south", "north")
 
 
@@ -66,11 +69,17 @@ def as_boundary(arrays):
 
 
 def wall_distance(terrain, outlines):
-    """Return the signed distance (ny, nx) [m] of nodes to blocked ground and obstacles; `FAR` without any."""
+    """Return the signed distance (ny, nx) [m] of nodes to blocked ground and obstacles; `FAR` without any.
+
+    Open ground (terrain.nodata = open) is a wall without a surface: what enters is taken out by the guard.
+    """
     found = np.where(terrain.wall_distance > 1e8, FAR, terrain.wall_distance).astype(float)
     x = np.stack([a.ravel() for a in np.meshgrid(terrain.x, terrain.y)])
     for outline in outlines:
         found = np.minimum(found, distance(outline, x).reshape(found.shape))
+    if terrain.open.any():
+        ground = dataclasses.replace(terrain, blocked=terrain.open)
+        found = np.minimum(found, STEEP * ground.wall_distance.astype(float))
     return found
 
 

@@ -1,7 +1,7 @@
 """Open boundaries with a given stage or discharge: what the water does beside them, and how they drive it. Flood spec E18.
 
 The host turns the sums into mean depth V/A and mean velocity along the normal, and those into what the boundary
-imposes (`melt.open_boundary`).
+imposes (`melt.flood.open_boundary`).
 """
 
 import numpy as np

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from melt.errors import MeltError
-from melt.flood import sources
+from melt.flood import edges, sources
 from melt.flood.limits import limit
 from melt.systems.melting import grown, sort
 from melt.systems.reads import finite
@@ -29,7 +29,7 @@ def step(do, dt):
         settle(do)
     if do.need.entry:
         enter(do, dt)  # 2
-    left, n = dt, 0
+    left, n, do.warning = dt, 0, ""
     while left > 1e-9 * dt:
         derive(do)  # at t^n
         sub_dt = next_step(do, dt, left)
@@ -37,6 +37,8 @@ def step(do, dt):
         left -= sub_dt
         n += 1
     do.note("n_sub", n)
+    if do.need.infiltration:
+        seep(do, dt)
     if do.clock.step % do.settings.sample_every == 0:
         locate(do)
         water(do)
@@ -105,14 +107,11 @@ def advance(do, sub_dt):
     if do.need.drag:
         do.flood_drag(dt=0.5 * (previous + sub_dt))
     if do.need.zones:
-        sources.drive(do, sub_dt)
+        edges.drive(do)
     do.flood_drift(dt=sub_dt)
     do.flood_guard()
     if do.need.outlets:
-        leave(do, ("left_edge", "left_blocked"))
-    if do.need.infiltration:
-        do.infiltrate(rate=do.settings.infiltration, thinnest=do.settings.thinnest, dt=sub_dt)
-        leave(do, (None, None, "infiltrated", "dried"))
+        leave(do, ("left_edge", do.settings.blocked_ledger))
     clock.previous_dt = sub_dt
     clock.time += sub_dt
     clock.sub_step += 1
@@ -126,14 +125,21 @@ def leave(do, names):
             do.clock.ledger[name] = do.clock.ledger.get(name, 0.0) + finite(math.fsum(row))
 
 
+def seep(do, dt):
+    """Let water seep away, in portions that single precision can take from a column (E19)."""
+    s, ledger = do.settings, do.clock.ledger
+    waited = ledger.get("seeping", 0.0) + dt
+    ledger["seeping"] = waited if s.infiltration * waited < s.least_seepage else 0.0
+    if ledger["seeping"] == 0.0:
+        do.infiltrate(rate=s.infiltration, thinnest=s.thinnest, dt=waited)
+        leave(do, (None, None, "infiltrated", "dried"))
+
+
 def enter(do, dt):
     """Let the columns enter that the inflows bring in this outer step (2)."""
     sort(do)  # the free slots stand behind the others now
     do.clock.active = int(do.read("cell_start")[-2])
     for rows in sources.entries(do, dt):
-        if do.clock.active + rows.count > do.settings.capacity:
-            do.note("inflow_stopped", do.clock.step + 1)
-            break
         sources.choose(do, rows)
         do.enter(count=rows.count, slot=do.clock.active, density=do.settings.density, first_id=do.clock.next_id)
         do.clock.active += rows.count
@@ -191,7 +197,6 @@ def next_step(do, dt, left):
     n = max(1, math.ceil(left / longest * (1 - 1e-9)))
     if s.n_sub:
         n = max(1, round(s.n_sub * left / dt))
-        do.warning = ""
         if dt / s.n_sub > longest * 0.7 / s.cfl * 1.0001:
             do.warning = (
                 f"time.n_sub = {s.n_sub} makes sub-steps of {dt / s.n_sub:.3g} s, above a Courant number of 0.7 ({governing}). "

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from melt.errors import InputError
-from melt.open_boundary import boundary_state, inside_of
+from melt.flood.open_boundary import boundary_state, inside_of
 
 G = 9.81
 

@@ -1,0 +1,129 @@
+"""Driven edges of a flood: sides with a given stage, depth or discharge. Flood spec E18, ADR 16.
+
+What has to survive a checkpoint stands in ``do.clock.sources``, as plain numbers.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from melt.flood.hydrographs import Hydrograph
+from melt.flood.open_boundary import boundary_state, inside_of
+from melt.flood.tables import series_of
+
+GOLDEN = (math.sqrt(5) - 1) / 2
+PROBE = 2.0  # length of the strip in which the water beside an edge is measured, in supports
+SIDES = {"west": (0, 1.0), "east": (0, -1.0), "south": (1, 1.0), "north": (1, -1.0)}  # axis, inward direction
+
+
+@dataclass
+class Edge:
+    """A driven side: zone ``number`` of the fields ``zone_*``."""
+
+    name: str
+    number: int
+    kind: str  # "stage", "depth" or "discharge"
+    given: Hydrograph
+    until: float
+    axis: int
+    inward: float
+    at: float  # coordinate of the side [m]
+    low: float  # along the side [m]
+    high: float
+    bed: float  # mean elevation along the side [m]
+    datum: float
+    volume: float  # of a column [m^3]
+
+    @property
+    def length(self):
+        """Length of the side [m]."""
+        return self.high - self.low
+
+    def wanted(self, time):
+        """Return the depth [m] or the discharge per width [m^2/s] that the side asks for."""
+        value = self.given.value(time)
+        if self.kind == "stage":
+            return max(0.0, value - self.datum - self.bed)
+        return value / self.length if self.kind == "discharge" else value
+
+    def brought(self, start, stop, depth, speed):
+        """Return the volume [m^3] that enters between two times where the edge has a depth and an inward speed."""
+        if start >= self.until:
+            return 0.0
+        if self.kind == "discharge":
+            return self.given.integral(start, stop)
+        return max(0.0, speed) * depth * self.length * (stop - start)
+
+    def due(self, kept, start, stop, most):
+        """Return (places (n, 1, 2), velocities (n, 2)) of the columns that enter; the rest stays owed.
+
+        They stand on a golden-ratio lattice, and as far in as they would have come since they were owed.
+        """
+        state = kept.setdefault(self.name, {"owed": 0.0, "emitted": 0, "depth": 0.0, "speed": 0.0})
+        state["owed"] += self.brought(start, stop, state["depth"], state["speed"])
+        n = max(0, min(int(state["owed"] / self.volume + 1e-9), most))
+        age = state["owed"] - self.volume * (1 + np.arange(n))  # volume that came in behind each
+        behind = age / (max(state["depth"], 1e-9) * self.length) if state["depth"] > 0 else np.zeros(n)
+        along = self.low + (((state["emitted"] + np.arange(n)) * GOLDEN) % 1) * self.length
+        state["owed"] -= n * self.volume
+        state["emitted"] += n
+        x, v = np.zeros((n, 1, 2)), np.zeros((n, 2))
+        x[:, 0, self.axis] = self.at + self.inward * np.maximum(behind, 1e-6)
+        x[:, 0, 1 - self.axis] = along
+        v[:, self.axis] = self.inward * state["speed"]
+        return x, v
+
+    def drive(self, kept, time, inside_depth, inside_speed, gravity):
+        """Return the inward speed that the columns of the strip take, NaN where the edge is left to itself."""
+        if time >= self.until:
+            return math.nan
+        wanted = self.wanted(time)
+        given = {"discharge": wanted} if self.kind == "discharge" else {"depth": wanted}
+        found = boundary_state(inside_depth, inside_speed, gravity=gravity, **given)
+        kept.setdefault(self.name, {"owed": 0.0, "emitted": 0}).update(depth=found.depth, speed=found.velocity)
+        return found.velocity
+
+
+def drive(do):
+    """Give the columns of the driven strips their speed."""
+    s = do.settings.sources
+    do.zone_sums()
+    sums = np.asarray(do.read("zone_sums"), dtype=np.float64)
+    speeds = np.full(len(s.edges), np.nan)
+    for edge in s.edges:
+        speeds[edge.number] = edge.drive(do.clock.sources, do.clock.time, *inside_of(*sums[:, edge.number]), s.gravity)
+    do.state.set("zone_speed", speeds)
+    do.zone_drive()
+
+
+def edges_of(scene, terrain):
+    """Return the `Edge` list of a scene."""
+    return [_edge(k, edge, scene, terrain) for k, edge in enumerate(scene.edge)]
+
+
+def _edge(k, edge, scene, terrain):
+    axis, inward = SIDES[edge.side]
+    low, high = terrain.bounds
+    z = terrain.elevation
+    bed = {"west": z[:, 0], "east": z[:, -1], "south": z[0], "north": z[-1]}[edge.side]
+    kind = next(name for name in ("stage", "depth", "discharge") if getattr(edge, name) is not None)
+    return Edge(
+        f"edge {edge.side}", k, kind, series_of(getattr(edge, kind), f"edge {edge.side}"), edge.until or math.inf, axis, inward,
+        float(low[axis] if inward > 0 else high[axis]), float(low[1 - axis]), float(high[1 - axis]), float(bed.mean()), terrain.datum,
+        scene.column_volume,
+    )
+
+
+def zone_fields(edges, widths, terrain, support):
+    """Return the arrays over zones: strips of driven water along the edges, and strips beside them that are measured."""
+    low, high = terrain.bounds
+    n = len(edges)
+    box, probe, normal = np.zeros((4, n)), np.zeros((4, n)), np.zeros((2, n))
+    for k, (edge, width) in enumerate(zip(edges, widths)):
+        normal[edge.axis, k] = edge.inward
+        for target, start, stop in ((box, -1e6, width), (probe, width, width + PROBE * support)):
+            target[2 * edge.axis : 2 * edge.axis + 2, k] = sorted((edge.at + edge.inward * start, edge.at + edge.inward * stop))
+            across = 1 - edge.axis
+            target[2 * across : 2 * across + 2, k] = low[across] - 1.0, high[across] + 1.0
+    return {"zone_box": box, "zone_probe": probe, "zone_normal": normal, "zone_speed": np.zeros(n)}
