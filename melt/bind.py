@@ -39,6 +39,8 @@ class Plain:
     keeps), ``notes`` (values of this output step for ``/melt/series``).
     """
 
+    recording = False
+
     def __init__(self, backend, state, params, need, settings, clock=None):
         self.backend, self.state, self.params = backend, state, params
         self.need, self.settings = need, settings
@@ -92,6 +94,10 @@ class Plain:
     def read(self, name):
         """Return a host copy of a field: a declared read-back."""
         return self.state.read(name)
+
+    def give(self, name, values):
+        """Hand host values to a field: a declared upload."""
+        self.state.set(name, values)
 
     def forget(self):
         """Look arguments up anew: parameters were changed by hand."""
@@ -200,6 +206,8 @@ class Recorder:
     Reads return ones, integers 100, so that a page goes through the branch where something happened.
     """
 
+    recording = True
+
     def __init__(self, params, need, settings):
         self.params, self.need, self.settings = params, need, settings
         self.clock = new_clock()
@@ -236,6 +244,9 @@ class Recorder:
         self._use(name)
         shape = [int(e) if e.isdigit() else 1 for e in FIELDS[name].shape]
         return np.full(shape, 100) if FIELDS[name].kind == "int" else np.ones(shape)
+
+    def give(self, name, values):
+        self._use(name)
 
     def size(self, extent):
         return 100

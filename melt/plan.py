@@ -207,7 +207,7 @@ def prepare(scene, initial, precision=None):
 
 def _flood(scene, initial, precision):
     """Return the `Prepared` run of a flood."""
-    need, settings = flood_plan.needs(scene, initial), flood_plan.settings_of(scene, initial)
+    need, settings = flood_plan.needs(scene, initial), flood_plan.settings_of(scene, initial, REAL[precision])
     params = flood_plan.params_of(scene, initial, REAL[precision])
     sizes = flood_plan.sizes_of(scene, initial, params)
     prepared = Prepared(flood.step, flood, need, settings, params, sizes, precision, [], {}, [], [], "solver.alpha", flood_maps.begin, flood_maps.finish, flood_ledger)

@@ -93,7 +93,7 @@ def drive(do):
     speeds = np.full(len(s.edges), np.nan)
     for edge in s.edges:
         speeds[edge.number] = edge.drive(do.clock.sources, do.clock.time, *inside_of(*sums[:, edge.number]), s.gravity)
-    do.state.set("zone_speed", speeds)
+    do.give("zone_speed", speeds)
     do.zone_drive()
 
 

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-
 CLAMPED = 0.05  # share of columns at a limit of their support from which a run warns
 
 
@@ -18,7 +17,7 @@ def limit(do):
     do.note("clamped_columns", clamped)
     if clamped > CLAMPED * max(clock.active, 1):
         do.warning = (
-            f"support radii: those of {clamped / clock.active:.0%} of the columns are at a limit "
+            f"support radii: those of {clamped / max(clock.active, 1):.0%} of the columns are at a limit "
             f"(solver.support_limits = {[round(float(f), 4) for f in s.support_limits]} of {s.support:.4g} m): the depth there is "
             "not resolved. Fix: a smaller fluid.spacing or fluid.reference_depth, or wider limits"
         )

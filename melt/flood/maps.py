@@ -1,7 +1,10 @@
 """Maps of a whole flood: into the run file, and as rasters that a GIS opens."""
 
+import os
+
 import numpy as np
 
+from melt.output.errors import OutputError
 from melt.output.rasters import raster_suffix, write_raster
 from melt.output.terrain_file import write_terrain
 
@@ -52,16 +55,40 @@ def finish(sim, writer, say):
     if not maps:
         return
     writer.store(maps, facts_of(terrain))
-    beside = terrain_beside(writer.path)
+    beside, rasters = terrain_beside(writer.path), rasters_beside(sim.scene, writer.path)
     write_terrain(beside, terrain)
     say("written", message=f"terrain for ParaView: {beside}")
-    kind = sim.scene.output.raster
-    if kind == "none":
-        return
+    for name, path in rasters.items():
+        write_raster(path, maps[name], terrain)
+    if rasters:
+        stem = f"{writer.path.with_name(writer.path.stem)}_NAME{next(iter(rasters.values())).suffix}"
+        say("written", message=f"maps: {stem}, NAME = {', '.join(maps)}")
+
+
+def rasters_beside(scene, run_path):
+    """Return {name of a map: path} of the rasters that a run writes when it ends."""
+    kind = scene.output.raster
+    if kind == "none" or not scene.output.maps:
+        return {}
     suffix = raster_suffix() if kind == "auto" else f".{kind}"
-    for name, values in maps.items():
-        write_raster(writer.path.with_name(f"{writer.path.stem}_{name}{suffix}"), values, terrain)
-    say("written", message=f"maps: {writer.path.with_name(writer.path.stem)}_NAME{suffix}, NAME = {', '.join(maps)}")
+    return {name: run_path.with_name(f"{run_path.stem}_{name}{suffix}") for name in MAPS}
+
+
+def check_beside(scene, run_path):
+    """Refuse to begin a run whose maps would replace files that are there already.
+
+    Raises:
+        OutputError: names the first of them.
+    """
+    if not scene.output.maps:
+        return
+    there = [path for path in (terrain_beside(run_path), *rasters_beside(scene, run_path).values()) if os.path.lexists(path)]
+    if there:
+        others = f" and {len(there) - 1} more" if len(there) > 1 else ""
+        raise OutputError(
+            f"the map {there[0]}{others} exists already and was left as it is: name another run file with --output, replace them "
+            "with --overwrite, or write none with --set output.raster=none --set output.maps=false."
+        )
 
 
 def terrain_beside(run_path):

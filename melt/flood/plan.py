@@ -42,7 +42,7 @@ def needs(scene, initial):
     )
 
 
-def settings_of(scene, initial):
+def settings_of(scene, initial, real):
     """Return the run-time choices of the step page."""
     t, s = scene.time, scene.solver
     depth = initial["depth"]
@@ -71,6 +71,7 @@ def settings_of(scene, initial):
         gauges=[gauge.name for gauge in scene.gauge],
         nodes=initial.map_nodes,
         sources=initial.sources,
+        real=real,
         datum=initial.terrain.datum,
         column_volume=scene.column_volume,
         support_limits=s.support_limits,

@@ -71,6 +71,9 @@ class Sources:
 def entries(do, dt):
     """Yield the `Rows` that enter in the outer step from now on, as far as there is room; the rest stays owed (E17)."""
     sources, kept = do.settings.sources, do.clock.sources
+    if do.recording:
+        yield Rows(np.zeros((1, CANDIDATES, 2)), np.zeros((1, 2)), sources.volume)
+        return
     start, stop = do.clock.time, do.clock.time + dt
     rows = do.size("entry")
     for name, emitter in sources.emitters.items():
@@ -107,17 +110,16 @@ def choose(do, rows):
     _set(do, "entry_velocity", rows.velocity)
     volume = np.zeros(do.size("entry"))
     volume[:n] = rows.volume
-    do.state.set("entry_volume", volume)
-    real = do.state.get("entry_volume").dtype.type
+    do.give("entry_volume", volume)
     ledger = do.clock.ledger
-    ledger["entered"] = ledger.get("entered", 0.0) + n * float(real(rows.volume))
+    ledger["entered"] = ledger.get("entered", 0.0) + n * float(do.settings.real(rows.volume))  # as the columns have it
 
 
 def _set(do, name, values):
     """Fill the rows of a plane vector field over entries."""
     padded = np.zeros((3, do.size("entry")))
     padded[:2, : len(values)] = values.T
-    do.state.set(name, padded)
+    do.give(name, padded)
 
 
 def read_gauges(do):

@@ -18,6 +18,7 @@ from melt.systems.reads import finite
 
 def start(do):
     """Solve depth and support once, so that the first frame has them, and take the first reading of the maps."""
+    do.clock.next_id = do.settings.capacity  # every slot has an id; what enters gets a new one
     locate(do)
     water(do)
     sample(do, 0.0)
@@ -138,7 +139,7 @@ def seep(do, dt):
 def enter(do, dt):
     """Let the columns enter that the inflows bring in this outer step (2)."""
     sort(do)  # the free slots stand behind the others now
-    do.clock.active = int(do.read("cell_start")[-2])
+    do.clock.active = int(do.read("cell_start")[-2:][0])
     for rows in sources.entries(do, dt):
         sources.choose(do, rows)
         do.enter(count=rows.count, slot=do.clock.active, density=do.settings.density, first_id=do.clock.next_id)
