@@ -12,7 +12,7 @@ from melt.geometry import terrain_files as files
 from melt.geometry.terrain_zones import manning_grid
 from melt.scene.messages import explain
 from melt.scene.quantities import Section
-from melt.scene.terrain import Friction, Terrain, resolve_terrain_files
+from melt.scene.terrain import Friction, Terrain
 from melt.scene.toml import dumps
 
 HEAD = "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
@@ -310,18 +310,3 @@ def test_sections_come_back_from_toml_and_have_a_schema():
     again = _Flood.model_validate(tomllib.loads(dumps(section.model_dump(exclude_none=True))))
     assert again == section
     assert "nodata_value" in _Flood.model_json_schema()["$defs"]["Terrain"]["properties"]
-
-
-def test_files_beside_the_scene_are_found_from_anywhere(tmp_path):
-    for name in ("a.tif", "b.csv", "n.tif", "z.csv"):
-        (tmp_path / name).write_text("")
-    data = {
-        "terrain": {"file": "a.tif", "raised": [{"file": "b.csv"}, {"polygon": []}, 3]},
-        "friction": {"raster": "n.tif", "zone": [{"file": "z.csv"}, {"file": "none.csv"}]},
-    }
-    resolve_terrain_files(data, tmp_path)
-    assert data["terrain"]["file"] == str(tmp_path / "a.tif")
-    assert data["terrain"]["raised"][0]["file"] == str(tmp_path / "b.csv")
-    assert data["friction"]["raster"] == str(tmp_path / "n.tif")
-    assert [z["file"] for z in data["friction"]["zone"]] == [str(tmp_path / "z.csv"), "none.csv"]
-    resolve_terrain_files({"terrain": "oops", "friction": {"zone": 3}}, tmp_path)
