@@ -105,7 +105,8 @@ def choose(do, rows):
     if k > 1:
         _set(do, "entry_position", rows.places.reshape(n * k, 2))
         do.entry_clearance()
-        places = emptiest(rows.places, np.asarray(do.read("entry_clearance"), float)[: n * k].reshape(n, k))
+        free = np.resize(np.asarray(do.read("entry_clearance"), float)[: n * k], (n, k))
+        places = emptiest(rows.places, free)
     _set(do, "entry_position", places)
     _set(do, "entry_velocity", rows.velocity)
     volume = np.zeros(do.size("entry"))
