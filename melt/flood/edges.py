@@ -89,7 +89,7 @@ def drive(do):
     """Give the columns of the driven strips their speed."""
     s = do.settings.sources
     do.zone_sums()
-    sums = np.asarray(do.read("zone_sums"), dtype=np.float64)
+    sums = np.resize(np.asarray(do.read("zone_sums"), dtype=np.float64), (3, len(s.edges)))
     speeds = np.full(len(s.edges), np.nan)
     for edge in s.edges:
         speeds[edge.number] = edge.drive(do.clock.sources, do.clock.time, *inside_of(*sums[:, edge.number]), s.gravity)

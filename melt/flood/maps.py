@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 
+from melt.fields import FIELDS
 from melt.output.errors import OutputError
 from melt.output.rasters import raster_suffix, write_raster
 from melt.output.terrain_file import write_terrain
@@ -54,12 +55,13 @@ def finish(sim, writer, say):
     maps, terrain = maps_of(sim), sim.initial.terrain
     if not maps:
         return
-    writer.store(maps, facts_of(terrain))
+    units = {name: FIELDS[field].unit for name, (field, _) in MAPS.items()}
+    writer.store(maps, facts_of(terrain), units)
     beside, rasters = terrain_beside(writer.path), rasters_beside(sim.scene, writer.path)
     write_terrain(beside, terrain)
     say("written", message=f"terrain for ParaView: {beside}")
     for name, path in rasters.items():
-        write_raster(path, maps[name], terrain)
+        write_raster(path, maps[name], terrain, unit=units[name])
     if rasters:
         stem = f"{writer.path.with_name(writer.path.stem)}_NAME{next(iter(rasters.values())).suffix}"
         say("written", message=f"maps: {stem}, NAME = {', '.join(maps)}")
