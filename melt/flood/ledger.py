@@ -37,7 +37,7 @@ EVEN = 22  # neighbours within the support of evenly spaced columns: pi 2.66^2
 
 
 def series(do, start):
-    """Return the values of `SERIES`, as {name: float}. ``start`` is kept between calls."""
+    """Return the values of `SERIES`, as {name: float}."""
     state, ledger = do.state, do.clock.ledger
     order = np.argsort(state.read("id"), kind="stable")
     phase = state.read("phase")[order]
@@ -68,8 +68,7 @@ def series(do, start):
         values[name] = ledger.get(name, 0.0)
         left += values[name]
     values["entered_volume"] = ledger.get("entered", 0.0)
-    begun = ledger.setdefault("volume_start", volume)
-    brought = begun + values["entered_volume"]
+    brought = ledger["volume_start"] + values["entered_volume"]
     values["volume_error"] = (volume + left - brought) / max(brought, 1e-300)
     values["lost_particles"] = round(values["left_blocked"] / do.settings.column_volume)
     values.update(_lists(state))

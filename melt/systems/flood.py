@@ -19,6 +19,7 @@ from melt.systems.reads import finite
 def start(do):
     """Solve depth and support once, so that the first frame has them, and take the first reading of the maps."""
     do.clock.next_id = do.settings.capacity  # every slot has an id; what enters gets a new one
+    do.clock.ledger["volume_start"] = math.fsum(np.asarray(do.read("rest_volume"), dtype=np.float64))
     locate(do)
     water(do)
     sample(do, 0.0)
