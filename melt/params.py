@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from melt.params_boiling import Boiling, Bubbles, Condensate, Sph, Tank, Vapour  # noqa: F401
+from melt.params_screen import Filter, Optics, Relief, Splat, View  # noqa: F401
 
 CUBIC, WENDLAND2, MUELLER = range(3)
 L_VISC, L_BROOK, L_BROOK_REGULAR = range(3)

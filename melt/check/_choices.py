@@ -1,7 +1,7 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _pbf
+from melt.check import _boiling, _cloud, _pbf, _screen
 
 #: Parameter tuples with values that exercise every term.
 TUPLES = {
@@ -80,6 +80,11 @@ TUPLES = {
     "condensate": (P.Condensate, _boiling.CONDENSATE),
     "tank": (P.Tank, _boiling.TANK),
     "sph": (P.Sph, _boiling.SPH),
+    "view": (P.View, _screen.VIEW),
+    "splat": (P.Splat, _screen.SPLAT),
+    "filter": (P.Filter, _screen.FILTER),
+    "optics": (P.Optics, _screen.OPTICS),
+    "relief": (P.Relief, _screen.RELIEF),
     "domain": (
         P.Domain,
         dict(lower_x=-1.0, lower_y=-1.0, lower_z=-1.0, upper_x=1.5, upper_y=6.0, upper_z=20.0, delete=1),
@@ -111,6 +116,7 @@ SCALARS = {
     "first_id": 5000,
     "served": 1,
     "coarse": 2,
+    "along": 0,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.
@@ -139,6 +145,7 @@ SWITCHES = {
     "change": {"own_liquid": (0, 1), "latent": (0, 1)},
     "domain": {"delete": (0, 1)},
     "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
+    "optics": {"mapped": (0, 1)},
 }
 
 #: Extra variants of single stages.
@@ -154,6 +161,8 @@ EXTRA = {
     "vapour_source": [{"n": 1200, "served": 9}],
     "condense": [{"n": 1200, "served": 9}],
     **{name: [{"bubbles": True}] for name in ("pbf_begin", "pbf_list", "pbf_lambda", "pbf_correction", "pbf_xsph", "iteration_key")},
+    "screen_project": [{"below": 1}],
+    **{name: [{"along": 1}] for name in ("bilateral_pass", "narrow_pass")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
 }
 

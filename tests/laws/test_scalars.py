@@ -53,6 +53,7 @@ INTEGERS = {
     "stream",
     "coarse",
     "steps",
+    "column",
 }
 #: Words of a random generator: uint64.
 WORDS = {"c0", "c1", "c2", "c3", "k0", "k1"}
@@ -63,6 +64,9 @@ ARRAYS |= {"boiling.heat_sum": (4, None), "boiling.constraint": (4, None), "boil
 ARRAYS |= {f"bubble_life.{name}": (4, np.int32) for name in ("bubble_index", "bubble_count", "merge_root", "merge_size", "cargo")}
 ARRAYS |= {f"bubble_life.{name}": (4, None) for name in ("bubble_volume", "bubble_radius")}
 ARRAYS |= {f"bubble_life.{name}": ((3, 4), None) for name in ("position", "velocity")}
+#: Pictures, and colour maps, of the screen-space renderer.
+ARRAYS |= {f"screen_light.{name}": ((5, 6), None) for name in ("image", "behind_depth", "screen_map")}
+ARRAYS |= {f"screen_light.{name}": ((3, 5, 6), None) for name in ("screen_value", "behind_colour")}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
     ("polar.horn", "A"): 9,
@@ -86,6 +90,7 @@ NUMBERS = {
     ("polar._dot", "b"): 3,
     ("polar._cross", "a"): 3,
     ("polar._cross", "b"): 3,
+    ("screen_light.behind", "own"): 3,
 }
 #: Names above that are reals all the same: an axis-angle or matrix written out, coordinates.
 REALS = {("quaternion.from_matrix", "i"), ("search.precedes", "x"), ("search.precedes", "y")}

@@ -1,0 +1,157 @@
+"""CPU twin of `melt.reference.screen_smooth`."""
+
+import numpy as np
+
+from melt._compile import cpu_helper, cpu_stage, prange
+from melt.physics.screen import decay, window
+
+CHUNKS, SPREAD = 64, 37  # odd: every chunk comes once, and neighbours go to different threads
+LANES = 64
+REACH2 = 3.125  # 2.5^2/2: exponent of the window where it ends
+
+
+@cpu_helper
+def _tap(k2, centre, other, filter, focal, total, weight):
+    """Add one tap of the filter, at a squared distance of k2 pixels, to the sums of a group of lanes."""
+    real = type(focal)
+    none, sharp = real(np.inf), real(0.5) / (filter.range * filter.range)
+    low, high = real(0.5) / (filter.largest * filter.largest), real(0.5) / (filter.smallest * filter.smallest)
+    per = real(0.5) / (focal * filter.size * (focal * filter.size))
+    for lane in range(centre.shape[0]):
+        depth, far = centre[lane], other[lane]
+        x = k2 * min(max(depth * depth * per, low), high)  # as `window`, whose division this spares
+        some = x <= real(REACH2) and far < none
+        gap = (far if some else depth) - depth
+        w = decay(x + gap * gap * sharp) if some else real(0)
+        total[lane] += w * gap if some else real(0)
+        weight[lane] += w
+
+
+@cpu_helper
+def _farthest(centre, filter, focal):
+    """Return how many pixels the widest window of a group of lanes reaches, -1 if there is no liquid."""
+    real = type(focal)
+    nearest = real(np.inf)
+    for lane in range(centre.shape[0]):
+        nearest = min(nearest, centre[lane])
+    if nearest == real(np.inf):
+        return -1
+    return int(real(2.5) * min(max(focal * filter.size / nearest, filter.smallest), filter.largest))
+
+
+@cpu_helper
+def _finish(centre, total, weight, out):
+    """Write the means of a group of lanes; without liquid they stay infinite."""
+    one, none = type(centre[0])(1), type(centre[0])(np.inf)
+    for lane in range(centre.shape[0]):
+        out[lane] = centre[lane] + total[lane] / (one + weight[lane]) if centre[lane] < none else none
+
+
+@cpu_stage
+def bilateral(screen_depth, filter, view, screen_depth_next):
+    """See `melt.reference.screen_smooth.bilateral`."""
+    real = screen_depth.dtype.type
+    height, width = screen_depth.shape
+    margin = int(real(2.5) * filter.largest) + 1
+    for piece in prange(CHUNKS):
+        chunk = piece * SPREAD % CHUNKS
+        first, last = chunk * height // CHUNKS, (chunk + 1) * height // CHUNKS
+        padded = np.full((last - first + 2 * margin, width + 2 * margin), real(np.inf), screen_depth.dtype)
+        for row in range(max(first - margin, 0), min(last + margin, height) if last > first else 0):
+            padded[row - first + margin, margin : margin + width] = screen_depth[row]
+        total, weight = np.empty(LANES, screen_depth.dtype), np.empty(LANES, screen_depth.dtype)
+        for row in range(first, last):
+            for c in range(0, width, LANES):
+                end = min(c + LANES, width)
+                centre = screen_depth[row, c:end]
+                reach = _farthest(centre, filter, view.focal)
+                total[:], weight[:] = real(0), real(0)
+                for j in range(-reach, reach + 1):
+                    line = padded[row - first + margin + j]
+                    for k in range(-reach, reach + 1):
+                        if j * j + k * k > 0 and j * j + k * k <= (reach + 1) * (reach + 1):
+                            other = line[margin + c + k : margin + end + k]
+                            _tap(real(j * j + k * k), centre, other, filter, view.focal, total, weight)
+                _finish(centre, total, weight, screen_depth_next[row, c:end])
+
+
+@cpu_stage
+def bilateral_pass(screen_depth, filter, view, along, screen_depth_next):
+    """See `melt.reference.screen_smooth.bilateral_pass`."""
+    real = screen_depth.dtype.type
+    height, width = screen_depth.shape
+    margin = int(real(2.5) * filter.largest) + 1
+    for piece in prange(CHUNKS):
+        chunk = piece * SPREAD % CHUNKS
+        line = np.full(width + 2 * margin, real(np.inf), screen_depth.dtype)
+        total, weight = np.empty(LANES, screen_depth.dtype), np.empty(LANES, screen_depth.dtype)
+        for row in range(chunk * height // CHUNKS, (chunk + 1) * height // CHUNKS):
+            line[margin : margin + width] = screen_depth[row]
+            for c in range(0, width, LANES):
+                end = min(c + LANES, width)
+                centre = screen_depth[row, c:end]
+                total[:], weight[:] = real(0), real(0)
+                for k in range(1, _farthest(centre, filter, view.focal) + 1):
+                    k2 = real(k * k)
+                    if along == 0:
+                        _tap(k2, centre, line[margin + c - k : margin + end - k], filter, view.focal, total, weight)
+                        _tap(k2, centre, line[margin + c + k : margin + end + k], filter, view.focal, total, weight)
+                    else:
+                        if row >= k:
+                            _tap(k2, centre, screen_depth[row - k, c:end], filter, view.focal, total, weight)
+                        if row + k < height:
+                            _tap(k2, centre, screen_depth[row + k, c:end], filter, view.focal, total, weight)
+                _finish(centre, total, weight, screen_depth_next[row, c:end])
+
+
+@cpu_stage
+def narrow_pass(screen_depth, filter, view, along, screen_depth_next):
+    """See `melt.reference.screen_smooth.narrow_pass`."""
+    real = screen_depth.dtype.type
+    height, width = screen_depth.shape
+    none = real(np.inf)
+    down, right = (1, 0) if along == 1 else (0, 1)
+    for piece in prange(CHUNKS):
+        chunk = piece * SPREAD % CHUNKS
+        for row in range(chunk * height // CHUNKS, (chunk + 1) * height // CHUNKS):
+            for column in range(width):
+                centre = screen_depth[row, column]
+                total, weight = real(0), real(1)
+                low, high = centre - filter.narrow, centre + filter.narrow
+                spread = window(centre, filter.size, view.focal, filter.smallest, filter.largest)
+                room = min(row, height - 1 - row) if along == 1 else min(column, width - 1 - column)
+                k = 1
+                while centre < none and k <= room and real(k * k) * spread <= real(REACH2):
+                    one, two = screen_depth[row - k * down, column - k * right], screen_depth[row + k * down, column + k * right]
+                    near, far = min(one, two), max(one, two)
+                    if near >= low and far < none:
+                        w = decay(real(k * k) * spread)
+                        gaps = (near - centre if near <= high else filter.clamp) + (far - centre if far <= high else filter.clamp)
+                        total += w * gaps
+                        weight += w + w
+                        low = min(low, near - filter.narrow) if near <= high else low
+                        top = far if far <= high else near
+                        high = max(high, top + filter.narrow) if top <= high else high
+                    k += 1
+                screen_depth_next[row, column] = centre + total / weight if centre < none else none
+
+
+@cpu_stage
+def screen_blur(screen_length, screen_length_next):
+    """See `melt.reference.screen_smooth.screen_blur`."""
+    real = screen_length.dtype.type
+    height, width = screen_length.shape
+    one, four, six = real(1 / 16), real(4 / 16), real(6 / 16)
+    for piece in prange(CHUNKS):
+        line = np.zeros(width + 4, screen_length.dtype)
+        for row in range(piece * height // CHUNKS, (piece + 1) * height // CHUNKS):
+            a, b = screen_length[max(row - 2, 0)], screen_length[max(row - 1, 0)]
+            c, d = screen_length[min(row + 1, height - 1)], screen_length[min(row + 2, height - 1)]
+            centre = screen_length[row]
+            for column in range(width):
+                line[column + 2] = one * (a[column] + d[column]) + four * (b[column] + c[column]) + six * centre[column]
+            line[0] = line[1] = line[2]
+            line[width + 2] = line[width + 3] = line[width + 1]
+            for column in range(width):
+                sides = four * (line[column + 1] + line[column + 3]) + one * (line[column] + line[column + 4])
+                screen_length_next[row, column] = sides + six * line[column + 2]
