@@ -4,9 +4,9 @@ from melt.registry import FEW, Tolerance, stage
 
 _CAST = Tolerance(1e-5, 1e-11, "where a ray meets a sphere near its rim, half of the digits are lost")
 _FIXED = Tolerance(2e-5, 1e-5, "sums in fixed point, so that they do not depend on the order; chords near a rim")
-_BLEND = Tolerance(1e-5, 1e-10, "weighted mean; the weight is a series")
+_BLEND = Tolerance(1e-5, 1e-9, "weighted mean; the weight is a series")
 _TURN = Tolerance(5e-5, 1e-11, "a normal from differences of nearly equal depths")
-_LIGHT = Tolerance(1e-4, 1e-10, "power of a cosine; the spec allows 1/255")
+_LIGHT = Tolerance(1e-4, 2e-8, "power of a cosine, an exponential as a series; the spec allows 1/255")
 _RAY = Tolerance(2e-5, 1e-10, "root of a quadratic in the cell that the ray meets")
 
 LIST = [

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.physics.screen import pierce
+from melt.physics.screen import entry, pierce
 
 BANDS, SPREAD = 32, 13  # odd: every band comes once
 LANES = 16
@@ -50,9 +50,10 @@ def screen_project(position, screen_radius, view, screen_sphere, screen_box, scr
 
 @cpu_helper
 def _covered(low, high, first, last):
-    """Return the pixels (from, to) of first .. last whose centres lie between low and high."""
+    """Return the pixels (from, to) of first .. last whose centres lie between low and high; to >= from."""
     half = type(low)(0.5)
-    return max(first, int(math.ceil(low - half))), min(last, int(math.floor(high - half)) + 1)
+    start = max(first, int(math.ceil(low - half)))
+    return start, max(start, min(last, int(math.floor(high - half)) + 1))
 
 
 @cpu_stage
@@ -60,31 +61,44 @@ def screen_depth(screen_sphere, screen_box, behind_depth, view, screen_depth):
     """See `melt.reference.screen_splat.screen_depth`."""
     real = screen_sphere.dtype.type
     height, width = screen_depth.shape
-    per, none = real(1) / view.focal, real(np.inf)
+    per, none, zero, half = real(1) / view.focal, real(np.inf), real(0), real(0.5)
     for piece in prange(BANDS):
         band = piece * SPREAD % BANDS
         first, last = band * height // BANDS, (band + 1) * height // BANDS
         # whole groups of lanes, also where a disc ends within one: the loop over lanes has a fixed length
         nearest = np.full((last - first, width + LANES), none, screen_depth.dtype)
         for i in range(screen_sphere.shape[1]):
-            if screen_box[3, i] < first or screen_box[2, i] > last:
+            if screen_box[3, i] < real(first) or screen_box[2, i] > real(last):
                 continue
             top, bottom = _covered(screen_box[2, i], screen_box[3, i], first, last)
             left, right = _covered(screen_box[0, i], screen_box[1, i], 0, width)
             z, radius = screen_sphere[2, i], screen_sphere[3, i]
-            p, q = screen_sphere[0, i] / z, screen_sphere[1, i] / z
-            for row in range(np.uint64(max(top - first, 0)), np.uint64(max(bottom - first, 0))):
-                b = (real(np.int64(row) + first) + real(0.5) - view.centre_y) * per - q
-                for column in range(np.uint64(left), np.uint64(max(right, 0)), np.uint64(LANES)):
-                    a0 = (real(np.int64(column)) + real(0.5) - view.centre_x) * per - p
+            p, q, narrow = screen_sphere[0, i] / z, screen_sphere[1, i] / z, z * z / (radius * radius)
+            for row in range(np.uint64(top - first), np.uint64(bottom - first)):
+                b = (real(np.int64(row) + first) + half - view.centre_y) * per - q
+                for column in range(np.uint64(left), np.uint64(right), np.uint64(LANES)):
+                    start = (real(np.int64(column)) + half - view.centre_x) * per - p
                     for lane in range(np.uint64(LANES)):
-                        depth, _, share = pierce(a0 + real(np.int64(lane)) * per, b, p, q, z, radius)
+                        a = start + real(np.int64(lane)) * per
+                        share, inverse = pierce(a, b, p, q, narrow)
+                        depth = entry(a, b, p, q, z, radius, max(share, zero), inverse)
                         old = nearest[row, column + lane]
-                        nearest[row, column + lane] = min(old, depth) if share > real(0) else old
+                        nearest[row, column + lane] = min(old, depth) if share > zero else old
         for row in range(first, last):
             for column in range(width):
                 depth = nearest[row - first, column]
                 screen_depth[row, column] = depth if depth < behind_depth[row, column] else none
+
+
+@cpu_helper
+def _halved(image, first, last, width):
+    """Return rows first .. last of half resolution, as `melt.reference._screen.halved` has them, LANES wider."""
+    out = np.zeros((last - first, width + LANES), image.dtype)
+    for row in range(first, last):
+        line = image[min(2 * row, image.shape[0] - 1)]
+        for column in range(width):
+            out[row - first, column] = line[min(2 * column, image.shape[1] - 1)]
+    return out
 
 
 @cpu_stage
@@ -92,31 +106,34 @@ def screen_length(screen_sphere, screen_box, behind_depth, view, splat, screen_l
     """See `melt.reference.screen_splat.screen_length`."""
     real = screen_sphere.dtype.type
     height, width = screen_length.shape
-    per, two, half = real(2) / view.focal, real(2), real(0.5)
+    per, two, half, one, zero = real(2) / view.focal, real(2), real(0.5), real(1), real(0)
     for piece in prange(BANDS):
         band = piece * SPREAD % BANDS
         first, last = band * height // BANDS, (band + 1) * height // BANDS
-        screen_length_sum[first:last] = 0
+        sums = np.zeros((last - first, width + LANES), np.int32)
+        behind = _halved(behind_depth, first, last, width)
         for i in range(screen_sphere.shape[1]):
             if screen_box[3, i] < two * real(first) or screen_box[2, i] > two * real(last):
                 continue
             top, bottom = _covered(half * screen_box[2, i], half * screen_box[3, i], first, last)
             left, right = _covered(half * screen_box[0, i], half * screen_box[1, i], 0, width)
             z, radius = screen_sphere[2, i], screen_sphere[3, i]
-            p, q = screen_sphere[0, i] / z, screen_sphere[1, i] / z
-            for row in range(top, bottom):
-                b = (real(row) + half - half * view.centre_y) * per - q
-                behind = behind_depth[min(2 * row, behind_depth.shape[0] - 1)]
-                for column in range(left, right):
-                    a = (real(column) + half - half * view.centre_x) * per - p
-                    depth, chord, share = pierce(a, b, p, q, z, radius)
-                    u, v = p + a, q + b
-                    room = (behind[min(2 * column, behind.shape[0] - 1)] - depth) * math.sqrt(u * u + v * v + real(1))
-                    length = min(max(room, real(0)), chord) if share > real(0) else real(0)
-                    screen_length_sum[row, column] += np.int32(length * splat.length_steps + half)
+            p, q, narrow = screen_sphere[0, i] / z, screen_sphere[1, i] / z, z * z / (radius * radius)
+            for row in range(np.uint64(top - first), np.uint64(bottom - first)):
+                b = (real(np.int64(row) + first) + half - half * view.centre_y) * per - q
+                for column in range(np.uint64(left), np.uint64(right), np.uint64(LANES)):
+                    start = (real(np.int64(column)) + half - half * view.centre_x) * per - p
+                    for lane in range(np.uint64(LANES)):
+                        a = start + real(np.int64(lane)) * per
+                        share, inverse = pierce(a, b, p, q, narrow)
+                        share = max(share, zero)
+                        room = behind[row, column + lane] - entry(a, b, p, q, z, radius, share, inverse)
+                        length = min(max(room, zero) * math.sqrt(one / inverse), two * radius * math.sqrt(share))
+                        sums[row, column + lane] += np.int32(length * splat.length_steps + half)
         for row in range(first, last):
             for column in range(width):
-                screen_length[row, column] = real(screen_length_sum[row, column]) / splat.length_steps
+                screen_length[row, column] = real(sums[row - first, column]) / splat.length_steps
+                screen_length_sum[row, column] = sums[row - first, column]
 
 
 @cpu_stage
@@ -126,30 +143,34 @@ def screen_value(
     """See `melt.reference.screen_splat.screen_value`."""
     real = screen_sphere.dtype.type
     height, width = screen_value.shape[1:]
-    per, two, half = real(2) / view.focal, real(2), real(0.5)
+    per, two, half, one, zero = real(2) / view.focal, real(2), real(0.5), real(1), real(0)
     for piece in prange(BANDS):
         band = piece * SPREAD % BANDS
         first, last = band * height // BANDS, (band + 1) * height // BANDS
-        screen_value_sum[:, first:last] = 0
+        sums = np.zeros((2, last - first, width + LANES), np.int32)
+        per_reach, surface = one / splat.reach, _halved(screen_depth, first, last, width)
         for i in range(screen_sphere.shape[1]):
             if screen_box[3, i] < two * real(first) or screen_box[2, i] > two * real(last):
                 continue
             top, bottom = _covered(half * screen_box[2, i], half * screen_box[3, i], first, last)
             left, right = _covered(half * screen_box[0, i], half * screen_box[1, i], 0, width)
             z, radius = screen_sphere[2, i], screen_sphere[3, i]
-            p, q = screen_sphere[0, i] / z, screen_sphere[1, i] / z
-            for row in range(top, bottom):
-                b = (real(row) + half - half * view.centre_y) * per - q
-                surface = screen_depth[min(2 * row, screen_depth.shape[0] - 1)]
-                for column in range(left, right):
-                    a = (real(column) + half - half * view.centre_x) * per - p
-                    depth, _, share = pierce(a, b, p, q, z, radius)
-                    near = real(1) - (depth - surface[min(2 * column, surface.shape[0] - 1)]) / splat.reach
-                    weight = (real(0.1) + real(0.9) * share) * min(max(near, real(0)), real(1))
-                    weight = weight * splat.value_steps if share > real(0) else real(0)
-                    screen_value_sum[0, row, column] += np.int32(weight * particle_value[i] + half)
-                    screen_value_sum[1, row, column] += np.int32(weight + half)
+            p, q, narrow = screen_sphere[0, i] / z, screen_sphere[1, i] / z, z * z / (radius * radius)
+            for row in range(np.uint64(top - first), np.uint64(bottom - first)):
+                b = (real(np.int64(row) + first) + half - half * view.centre_y) * per - q
+                for column in range(np.uint64(left), np.uint64(right), np.uint64(LANES)):
+                    start = (real(np.int64(column)) + half - half * view.centre_x) * per - p
+                    for lane in range(np.uint64(LANES)):
+                        a = start + real(np.int64(lane)) * per
+                        share, inverse = pierce(a, b, p, q, narrow)
+                        inside = max(share, zero)
+                        depth = entry(a, b, p, q, z, radius, inside, inverse)
+                        near = min(max(one - (depth - surface[row, column + lane]) * per_reach, zero), one)
+                        weight = (real(0.1) + real(0.9) * inside) * near if share > zero else zero
+                        sums[0, row, column + lane] += np.int32(weight * splat.value_steps * particle_value[i] + half)
+                        sums[1, row, column + lane] += np.int32(weight * splat.value_steps + half)
         for row in range(first, last):
             for column in range(width):
-                screen_value[0, row, column] = real(screen_value_sum[0, row, column]) / splat.value_steps
-                screen_value[1, row, column] = real(screen_value_sum[1, row, column]) / splat.value_steps
+                value, weight = sums[0, row - first, column], sums[1, row - first, column]
+                screen_value[0, row, column], screen_value[1, row, column] = real(value) / splat.value_steps, real(weight) / splat.value_steps
+                screen_value_sum[0, row, column], screen_value_sum[1, row, column] = value, weight

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.screen import pierce
+from melt.physics.screen import entry, pierce
 
 
 @cuda_kernel
@@ -77,13 +77,15 @@ def _nearest(screen_sphere, screen_box, behind_depth, view, steps, key):
     height, width = key.shape
     half, per = real(0.5), real(1) / view.focal
     z, radius = screen_sphere[2, i], screen_sphere[3, i]
-    p, q = screen_sphere[0, i] / z, screen_sphere[1, i] / z
+    p, q, narrow = screen_sphere[0, i] / z, screen_sphere[1, i] / z, z * z / (radius * radius)
     top, bottom = max(0, int(math.ceil(screen_box[2, i] - half))), min(height, int(math.floor(screen_box[3, i] - half)) + 1)
     left, right = max(0, int(math.ceil(screen_box[0, i] - half))), min(width, int(math.floor(screen_box[1, i] - half)) + 1)
     for row in range(top, bottom):
         b = (real(row) + half - view.centre_y) * per - q
         for column in range(left, right):
-            depth, _, share = pierce((real(column) + half - view.centre_x) * per - p, b, p, q, z, radius)
+            a = (real(column) + half - view.centre_x) * per - p
+            share, inverse = pierce(a, b, p, q, narrow)
+            depth = entry(a, b, p, q, z, radius, max(share, real(0)), inverse)
             if share > real(0) and depth < behind_depth[row, column]:
                 cuda.atomic.min(key, (row, column), whole(depth * steps))
 
@@ -120,19 +122,18 @@ def _lengths(screen_sphere, screen_box, behind_depth, view, splat, screen_length
     height, width = screen_length_sum.shape
     half, per = real(0.5), real(2) / view.focal
     z, radius = screen_sphere[2, i], screen_sphere[3, i]
-    p, q = screen_sphere[0, i] / z, screen_sphere[1, i] / z
+    p, q, narrow = screen_sphere[0, i] / z, screen_sphere[1, i] / z, z * z / (radius * radius)
     top, bottom = max(0, int(math.ceil(half * screen_box[2, i] - half))), min(height, int(math.floor(half * screen_box[3, i] - half)) + 1)
     left, right = max(0, int(math.ceil(half * screen_box[0, i] - half))), min(width, int(math.floor(half * screen_box[1, i] - half)) + 1)
     for row in range(top, bottom):
         b = (real(row) + half - half * view.centre_y) * per - q
         for column in range(left, right):
             a = (real(column) + half - half * view.centre_x) * per - p
-            depth, chord, share = pierce(a, b, p, q, z, radius)
+            share, inverse = pierce(a, b, p, q, narrow)
             if share > real(0):
                 behind = behind_depth[min(2 * row, behind_depth.shape[0] - 1), min(2 * column, behind_depth.shape[1] - 1)]
-                u, v = p + a, q + b
-                room = (behind - depth) * math.sqrt(u * u + v * v + real(1))
-                length = min(max(room, real(0)), chord)
+                room = behind - entry(a, b, p, q, z, radius, share, inverse)
+                length = min(max(room, real(0)) * math.sqrt(real(1) / inverse), real(2) * radius * math.sqrt(share))
                 cuda.atomic.add(screen_length_sum, (row, column), np.int32(length * splat.length_steps + half))
 
 
@@ -161,16 +162,17 @@ def _values(screen_sphere, screen_box, particle_value, screen_depth, view, splat
     height, width = value_sum.shape
     half, per = real(0.5), real(2) / view.focal
     z, radius = screen_sphere[2, i], screen_sphere[3, i]
-    p, q = screen_sphere[0, i] / z, screen_sphere[1, i] / z
+    p, q, narrow = screen_sphere[0, i] / z, screen_sphere[1, i] / z, z * z / (radius * radius)
     top, bottom = max(0, int(math.ceil(half * screen_box[2, i] - half))), min(height, int(math.floor(half * screen_box[3, i] - half)) + 1)
     left, right = max(0, int(math.ceil(half * screen_box[0, i] - half))), min(width, int(math.floor(half * screen_box[1, i] - half)) + 1)
     for row in range(top, bottom):
         b = (real(row) + half - half * view.centre_y) * per - q
         for column in range(left, right):
-            depth, _, share = pierce((real(column) + half - half * view.centre_x) * per - p, b, p, q, z, radius)
+            a = (real(column) + half - half * view.centre_x) * per - p
+            share, inverse = pierce(a, b, p, q, narrow)
             if share > real(0):
                 surface = screen_depth[min(2 * row, screen_depth.shape[0] - 1), min(2 * column, screen_depth.shape[1] - 1)]
-                near = real(1) - (depth - surface) / splat.reach
+                near = real(1) - (entry(a, b, p, q, z, radius, share, inverse) - surface) / splat.reach
                 weight = (real(0.1) + real(0.9) * share) * min(max(near, real(0)), real(1)) * splat.value_steps
                 cuda.atomic.add(value_sum, (row, column), np.int32(weight * particle_value[i] + half))
                 cuda.atomic.add(weight_sum, (row, column), np.int32(weight + half))
