@@ -84,3 +84,4 @@ class Relief(NamedTuple):
     lower_y: float
     cell_x: float  # [m]
     cell_y: float
+    base: float  # the ground is a block down to this height, whose cut faces are seen [m]

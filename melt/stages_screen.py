@@ -15,6 +15,7 @@ LIST = [
     stage("screen_depth", "screen_splat", "flood 5 R2", "screen_sphere screen_box behind_depth", "view", "screen_depth", _CAST),
     stage("screen_length", "screen_splat", "flood 5 R5", "screen_sphere screen_box behind_depth", "view splat",
            "screen_length screen_length_sum", _FIXED, scratch="screen_length_sum"),
+    stage("screen_column", "screen_splat", "flood 5 R5", "screen_depth behind_depth", "view longest", "screen_length", FEW),
     stage("screen_value", "screen_splat", "flood 5 R6", "screen_sphere screen_box particle_value screen_depth", "view splat",
            "screen_value screen_value_sum", _FIXED, scratch="screen_value_sum"),
     stage("screen_blur", "screen_smooth", "flood 5 R5", "screen_length", "", "screen_length_next", FEW),

@@ -117,6 +117,7 @@ SCALARS = {
     "served": 1,
     "coarse": 2,
     "along": 0,
+    "longest": 0.9,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.

@@ -36,7 +36,7 @@ OPTICS = dict(
     zenith_red=0.3, zenith_green=0.5, zenith_blue=0.9, horizon_red=0.8, horizon_green=0.85, horizon_blue=0.9,
     nadir_red=0.3, nadir_green=0.25, nadir_blue=0.2,
 )
-RELIEF = dict(lower_x=-0.4, lower_y=-0.1, cell_x=0.3, cell_y=0.35)
+RELIEF = dict(lower_x=-0.4, lower_y=-0.1, cell_x=0.3, cell_y=0.35, base=-0.45)
 
 
 def _share(x, y, z, r, step):

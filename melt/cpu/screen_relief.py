@@ -27,7 +27,11 @@ def relief_depth(relief_height, relief, view, behind_depth):
             found = none
             i = min(max(int(math.floor(x0 + dx * t)), 0), nx - 2) if t < leave else 0
             j = min(max(int(math.floor(y0 + dy * t)), 0), ny - 2) if t < leave else 0
-            while t < leave and 0 <= i < nx - 1 and 0 <= j < ny - 1:
+            if 0 < t < leave:
+                a, b, c, d = relief_height[j, i], relief_height[j, i + 1], relief_height[j + 1, i], relief_height[j + 1, i + 1]
+                below = gap(x0 - real(i), dx, y0 - real(j), dy, view.eye_z, dz, t, a, b, c, d) <= real(0)
+                found = t if below and view.eye_z + dz * t >= relief.base else none  # a cut face of the block
+            while found == none and t < leave and 0 <= i < nx - 1 and 0 <= j < ny - 1:
                 tx, ty = next_line(x0, dx, i), next_line(y0, dy, j)
                 after = max(min(tx, ty, leave), t)
                 a, b, c, d = relief_height[j, i], relief_height[j, i + 1], relief_height[j + 1, i], relief_height[j + 1, i + 1]
@@ -36,7 +40,6 @@ def relief_depth(relief_height, relief, view, behind_depth):
                 if first > real(0) and last <= real(0):
                     middle = gap(x0 - real(i), dx, y0 - real(j), dy, view.eye_z, dz, half * (t + after), a, b, c, d)
                     found = t + (after - t) * meet(first, middle, last)
-                    break
                 i += (1 if dx > 0 else -1) if tx <= ty else 0
                 j += (1 if dy > 0 else -1) if ty < tx else 0
                 t = after

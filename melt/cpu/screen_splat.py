@@ -137,6 +137,22 @@ def screen_length(screen_sphere, screen_box, behind_depth, view, splat, screen_l
 
 
 @cpu_stage
+def screen_column(screen_depth, behind_depth, view, longest, screen_length):
+    """See `melt.reference.screen_splat.screen_column`."""
+    real = screen_depth.dtype.type
+    height, width = screen_length.shape
+    per, half, none = real(1) / view.focal, real(0.5), real(np.inf)
+    for row in prange(height):
+        r = min(2 * row, screen_depth.shape[0] - 1)
+        v = (real(r) + half - view.centre_y) * per
+        for column in range(width):
+            c = min(2 * column, screen_depth.shape[1] - 1)
+            u, depth = (real(c) + half - view.centre_x) * per, screen_depth[r, c]
+            way = (behind_depth[r, c] - depth) * math.sqrt(u * u + v * v + real(1))
+            screen_length[row, column] = min(max(way, real(0)), longest) if depth < none else real(0)
+
+
+@cpu_stage
 def screen_value(
     screen_sphere, screen_box, particle_value, screen_depth, view, splat, screen_value, screen_value_sum
 ):

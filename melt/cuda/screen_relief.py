@@ -27,6 +27,12 @@ def _relief_depth(relief_height, relief, view, behind_depth):
         return
     i = min(max(int(math.floor(x0 + dx * t)), 0), nx - 2)
     j = min(max(int(math.floor(y0 + dy * t)), 0), ny - 2)
+    if t > real(0):
+        a, b, c, d = relief_height[j, i], relief_height[j, i + 1], relief_height[j + 1, i], relief_height[j + 1, i + 1]
+        below = gap(x0 - real(i), dx, y0 - real(j), dy, view.eye_z, dz, t, a, b, c, d) <= real(0)
+        if below and view.eye_z + dz * t >= relief.base:  # a cut face of the block
+            behind_depth[row, column] = t
+            return
     while t < leave and 0 <= i < nx - 1 and 0 <= j < ny - 1:
         tx, ty = next_line(x0, dx, i), next_line(y0, dy, j)
         after = max(min(tx, ty, leave), t)

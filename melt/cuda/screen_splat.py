@@ -154,6 +154,26 @@ def screen_length(screen_sphere, screen_box, behind_depth, view, splat, screen_l
 
 
 @cuda_kernel
+def _screen_column(screen_depth, behind_depth, view, longest, screen_length):
+    k = cuda.grid(1)
+    height, width = screen_length.shape
+    if k >= height * width:
+        return
+    real = screen_depth.dtype.type
+    half, per = real(0.5), real(1) / view.focal
+    r, c = min(2 * (k // width), screen_depth.shape[0] - 1), min(2 * (k % width), screen_depth.shape[1] - 1)
+    u, v, depth = (real(c) + half - view.centre_x) * per, (real(r) + half - view.centre_y) * per, screen_depth[r, c]
+    way = (behind_depth[r, c] - depth) * math.sqrt(u * u + v * v + real(1))
+    screen_length[k // width, k % width] = min(max(way, real(0)), longest) if depth < real(math.inf) else real(0)
+
+
+def screen_column(screen_depth, behind_depth, view, longest, screen_length):
+    """See `melt.reference.screen_splat.screen_column`."""
+    pixels = screen_length.shape[0] * screen_length.shape[1]
+    _screen_column.launch(pixels, screen_depth, behind_depth, view, longest, screen_length)
+
+
+@cuda_kernel
 def _values(screen_sphere, screen_box, particle_value, screen_depth, view, splat, value_sum, weight_sum):
     i = cuda.grid(1)
     if i >= screen_sphere.shape[1] or screen_box[1, i] < screen_box[0, i]:

@@ -61,6 +61,19 @@ def screen_length(screen_sphere, screen_box, behind_depth, view, splat, screen_l
     screen_length_sum[:] = 0
 
 
+def screen_column(screen_depth, behind_depth, view, longest, screen_length):
+    """Write the thickness [m] as the way along the ray from the surface to what is behind, at most ``longest``.
+
+    In shallow water it stands for d / cos(theta) of the refracted ray: it goes to 0 at the shore, where spheres do not.
+    """
+    shape = screen_length.shape
+    u, v = (halved(a, shape) for a in rays(screen_depth.shape, view))
+    D, behind = halved(screen_depth, shape), halved(behind_depth, shape)
+    some = np.isfinite(D)
+    way = (behind - np.where(some, D, 0)) * np.sqrt(u * u + v * v + 1)
+    screen_length[:] = np.where(some, np.clip(way, 0, float(longest)), 0)
+
+
 def screen_value(
     screen_sphere, screen_box, particle_value, screen_depth, view, splat, screen_value, screen_value_sum
 ):
