@@ -118,6 +118,7 @@ SCALARS = {
     "coarse": 2,
     "along": 0,
     "longest": 0.9,
+    "deviation": 1.7,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.
@@ -163,7 +164,7 @@ EXTRA = {
     "condense": [{"n": 1200, "served": 9}],
     **{name: [{"bubbles": True}] for name in ("pbf_begin", "pbf_list", "pbf_lambda", "pbf_correction", "pbf_xsph", "iteration_key")},
     "screen_project": [{"below": 1}],
-    **{name: [{"along": 1}] for name in ("bilateral_pass", "narrow_pass")},
+    **{name: [{"along": 1}] for name in ("bilateral_pass", "narrow_pass", "screen_blur")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
 }
 

@@ -137,21 +137,26 @@ def narrow_pass(screen_depth, filter, view, along, screen_depth_next):
 
 
 @cpu_stage
-def screen_blur(screen_length, screen_length_next):
+def screen_blur(screen_length, deviation, along, screen_length_next):
     """See `melt.reference.screen_smooth.screen_blur`."""
     real = screen_length.dtype.type
     height, width = screen_length.shape
-    one, four, six = real(1 / 16), real(4 / 16), real(6 / 16)
+    reach, spread = int(real(2.5) * deviation), real(0.5) / (deviation * deviation)
     for piece in prange(CHUNKS):
-        line = np.zeros(width + 4, screen_length.dtype)
+        line = np.empty(width + 2 * reach, screen_length.dtype)
         for row in range(piece * height // CHUNKS, (piece + 1) * height // CHUNKS):
-            a, b = screen_length[max(row - 2, 0)], screen_length[max(row - 1, 0)]
-            c, d = screen_length[min(row + 1, height - 1)], screen_length[min(row + 2, height - 1)]
-            centre = screen_length[row]
+            line[reach : reach + width] = screen_length[row]
+            line[:reach], line[reach + width :] = screen_length[row, 0], screen_length[row, width - 1]
+            out, weight = screen_length_next[row], real(1)
+            out[:] = screen_length[row]
+            for k in range(1, reach + 1):
+                w = decay(real(k * k) * spread)
+                weight += w + w
+                if along == 1:
+                    one, two = screen_length[max(row - k, 0)], screen_length[min(row + k, height - 1)]
+                else:
+                    one, two = line[reach - k : reach - k + width], line[reach + k : reach + k + width]
+                for column in range(width):
+                    out[column] += w * (one[column] + two[column])
             for column in range(width):
-                line[column + 2] = one * (a[column] + d[column]) + four * (b[column] + c[column]) + six * centre[column]
-            line[0] = line[1] = line[2]
-            line[width + 2] = line[width + 3] = line[width + 1]
-            for column in range(width):
-                sides = four * (line[column + 1] + line[column + 3]) + one * (line[column] + line[column + 4])
-                screen_length_next[row, column] = sides + six * line[column + 2]
+                out[column] /= weight

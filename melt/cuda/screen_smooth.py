@@ -85,24 +85,24 @@ def narrow_pass(screen_depth, filter, view, along, screen_depth_next):
 
 
 @cuda_kernel
-def _screen_blur(screen_length, screen_length_next):
-    k = cuda.grid(1)
+def _screen_blur(screen_length, deviation, along, screen_length_next):
+    t = cuda.grid(1)
     height, width = screen_length.shape
-    if k >= height * width:
+    if t >= height * width:
         return
     real = screen_length.dtype.type
-    row, column = k // width, k % width
-    total = real(0)
-    for r in range(-2, 3):
-        y = min(max(row + r, 0), height - 1)
-        line = real(0)
-        for c in range(-2, 3):
-            w = real(6 - 2 * abs(c) - (1 if abs(c) == 2 else 0))  # 6 4 1
-            line += w * screen_length[y, min(max(column + c, 0), width - 1)]
-        total += real(6 - 2 * abs(r) - (1 if abs(r) == 2 else 0)) * line
-    screen_length_next[row, column] = total * real(1 / 256)
+    row, column = t // width, t % width
+    down, right = (1, 0) if along == 1 else (0, 1)
+    total, weight, spread = screen_length[row, column], real(1), real(0.5) / (deviation * deviation)
+    for k in range(1, int(real(2.5) * deviation) + 1):
+        w = decay(real(k * k) * spread)
+        one = screen_length[max(row - k * down, 0), max(column - k * right, 0)]
+        two = screen_length[min(row + k * down, height - 1), min(column + k * right, width - 1)]
+        total += w * (one + two)
+        weight += w + w
+    screen_length_next[row, column] = total / weight
 
 
-def screen_blur(screen_length, screen_length_next):
+def screen_blur(screen_length, deviation, along, screen_length_next):
     """See `melt.reference.screen_smooth.screen_blur`."""
-    _screen_blur.launch(screen_length.shape[0] * screen_length.shape[1], screen_length, screen_length_next)
+    _screen_blur.launch(screen_length.shape[0] * screen_length.shape[1], screen_length, deviation, along, screen_length_next)

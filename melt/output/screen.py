@@ -1,6 +1,6 @@
 """Liquid by the screen-space renderer: frames from particles, without a mesh. Flood spec 5.
 
-`ScreenRenderer` draws a frame with the stages of `melt.stages_screen` on any backend; `melt.output.picture` uses it
+`ScreenRenderer` draws a frame with the stages of `melt.stages_screen` on any backend; `melt.output.screen_run` uses it
 for 3-D runs (``melt render --renderer screen``).
 """
 
@@ -17,7 +17,7 @@ from melt.output import relief, splat
 from melt.output.shade import HORIZON, LIGHT, SKY, Layer
 from melt.state import REAL, dtype_of, shape_of
 
-SMOOTH = ("separable", "bilateral", "narrow")
+SMOOTH = ("narrow", "separable", "bilateral")
 #: Rounds of the two passes: one leaves the pattern of the particles, of the narrow-range filter too.
 ROUNDS = {"separable": 2, "narrow": 2}
 
@@ -38,7 +38,7 @@ class ScreenRenderer:
     Args:
         camera: `melt.output.camera.Camera`.
         backend: name of a backend, ``cpu`` unless given.
-        smooth: separable (two bilateral passes), bilateral (the whole window) or narrow (narrow-range filter).
+        smooth: narrow (narrow-range filter), separable (two bilateral passes) or bilateral (the whole window).
         below: positions are on the surface, spheres hang below them (shallow water); thickness reaches down to the
             terrain. Radii of three particle distances give a closed sheet of thin water, which the terrain cuts off.
         look: `Look`. stops: colours of the map of values, (k, 3), or None: the liquid has one colour.
@@ -48,7 +48,7 @@ class ScreenRenderer:
     ``seconds``, a dict that collects the time of each stage if it is not None.
     """
 
-    def __init__(self, camera, backend="cpu", smooth="separable", below=False, look=None, stops=None, precision="single"):
+    def __init__(self, camera, backend="cpu", smooth="narrow", below=False, look=None, stops=None, precision="single"):
         if smooth not in SMOOTH:
             raise MeltError(f"unknown smoothing {smooth!r}: use {', '.join(SMOOTH)}")
         self.camera, self.smooth, self.below = camera, smooth, below
@@ -141,18 +141,22 @@ class ScreenRenderer:
 
         value: (n,) places on the map of colours, 0 to 1 (with ``stops``). terrain: see `set_terrain`.
         """
+        planes = self.planes(position, radius, value, terrain)
+        out = np.empty((self.camera.height, self.camera.width, 3), np.uint8)
+        splat.to_bytes(planes, out)
+        return out
+
+    def planes(self, position, radius, value=None, terrain=None):
+        """Return the picture as planes (3, height, width); they are overwritten by the next frame."""
         if terrain is not None:
             self.set_terrain(terrain)
         view = self.surface(position, radius, value)
         a = self.arrays
         self._run(
-            "screen_shade", a["screen_depth"], a["screen_normal"], a["screen_length_next"], a["screen_value"], a["screen_map"],
+            "screen_shade", a["screen_depth"], a["screen_normal"], a["screen_length"], a["screen_value"], a["screen_map"],
             a["behind_depth"], a["behind_colour"], view, self.optics, a["picture"],
         )
-        planes = a["picture"].copy_to_host() if self.backend.on_device else a["picture"]
-        out = np.empty((self.camera.height, self.camera.width, 3), np.uint8)
-        splat.to_bytes(planes, out)
-        return out
+        return a["picture"].copy_to_host() if self.backend.on_device else a["picture"]
 
     def surface(self, position, radius, value=None):
         """Find depth, normals, thickness and values of the liquid's surface; return the `View` used."""
@@ -160,7 +164,8 @@ class ScreenRenderer:
         a, n = self.arrays, self.sizes["particle"]
         good = radius[np.isfinite(radius) & (radius > 0)] if n else radius
         most, mean = (float(good.max()), float(good.mean())) if len(good) else (1.0, 1.0)
-        view = self._view(_far(self.camera, position, most))
+        middle, far = _depths(self.camera, position, most)
+        view = self._view(far)
         filter = P.make(P.Filter, self.real, size=1.1 * mean, smallest=1.0, largest=16.0, range=2 * mean, narrow=3 * mean, clamp=mean)
         # int32 cannot overflow, whatever the particles: every one adds a chord of at most 2 r, or a weight of at most 1
         steps = 2.0**30 / max(n, 4096)
@@ -171,13 +176,16 @@ class ScreenRenderer:
         self._run("screen_depth", *drawn, a["behind_depth"], view, a["screen_depth"])
         if not self.below:
             self._run("screen_length", *drawn, a["behind_depth"], view, sums, a["screen_length"], a["screen_length_sum"])
-            self._run("screen_blur", a["screen_length"], a["screen_length_next"])
+            # as wide as the spheres, whose pattern would show through clear liquid
+            blur = self.real(np.clip(0.5 * self.camera.focal * mean / middle, 0.7, 12.0))
+            self._run("screen_blur", a["screen_length"], blur, np.int32(0), a["screen_length_next"])
+            self._run("screen_blur", a["screen_length_next"], blur, np.int32(1), a["screen_length"])
         if self.stops is not None:
             self._run("screen_value", *drawn, a["particle_value"], a["screen_depth"], view, sums, a["screen_value"], a["screen_value_sum"])
         self._smooth(filter, view)
         if self.below:
             longest = self.real(4 * self.look.clarity)
-            self._run("screen_column", a["screen_depth"], a["behind_depth"], view, longest, a["screen_length_next"])
+            self._run("screen_column", a["screen_depth"], a["behind_depth"], view, longest, a["screen_length"])
         self._run("screen_normal", a["screen_depth"], view, a["screen_normal"])
         return view
 
@@ -205,8 +213,8 @@ class ScreenRenderer:
     def layer(self, position, radius, value=None):
         """Return the liquid's surface as a `melt.output.shade.Layer`, for pictures that put gas into it."""
         self.surface(position, radius, value)
-        get = {name: self.backend.download(self.arrays[name]) for name in ("screen_depth", "screen_normal", "screen_length_next", "screen_value")}
-        depth, inside = get["screen_depth"], _doubled(get["screen_length_next"])[: self.camera.height, : self.camera.width]
+        get = {name: self.backend.download(self.arrays[name]) for name in ("screen_depth", "screen_normal", "screen_length", "screen_value")}
+        depth, inside = get["screen_depth"], _doubled(get["screen_length"])[: self.camera.height, : self.camera.width]
         some, weight = (_doubled(v)[: self.camera.height, : self.camera.width] for v in get["screen_value"])
         rgb = np.broadcast_to(np.array(self.look.body, np.float32), (*depth.shape, 3))
         if self.stops is not None:
@@ -221,14 +229,13 @@ def _doubled(image):
     return np.repeat(np.repeat(image, 2, 0), 2, 1)
 
 
-def _far(camera, position, most):
-    """Return the power of two [m] that no sphere reaches; spheres farther than any sensible picture are not drawn."""
-    if position.shape[1] == 0:
-        return 1.0
+def _depths(camera, position, most):
+    """Return the mean depth [m] of particles in front, and the power of two [m] that no sphere reaches, at most 2^20."""
     depth = camera.axes[2] @ (np.asarray(position, np.float32) - camera.eye.astype(np.float32)[:, None])
-    depth = depth[np.isfinite(depth)]
-    most = min(max(float(depth.max()) + 2 * most if len(depth) else 1.0, 1e-3), 1e6)
-    return 2.0 ** np.ceil(np.log2(most * 1.001))
+    depth = depth[np.isfinite(depth) & (depth > 0)]
+    if not len(depth):
+        return 1.0, 1.0
+    return float(depth.mean()), 2.0 ** min(np.ceil(np.log2((float(depth.max()) + 2 * most) * 1.001)), 20)
 
 
 def sky(camera):

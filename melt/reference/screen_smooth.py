@@ -77,10 +77,15 @@ def narrow_pass(screen_depth, filter, view, along, screen_depth_next):
     screen_depth_next[:] = out.T if along else out
 
 
-def screen_blur(screen_length, screen_length_next):
-    """Write the thickness after a Gaussian blur: binomial weights 1 4 6 4 1 in both directions, edges repeated."""
-    out = np.pad(screen_length.astype(np.float64), 2, mode="edge")
-    row = np.array([1, 4, 6, 4, 1]) / 16
-    h, w = screen_length.shape
-    out = sum(row[k] * out[k : k + h] for k in range(5))
-    screen_length_next[:] = sum(row[k] * out[:, k : k + w] for k in range(5))
+def screen_blur(screen_length, deviation, along, screen_length_next):
+    """Write the thickness after a Gaussian blur along rows (``along`` 0) or columns (1), edges repeated.
+
+    ``deviation`` [px of half resolution]: standard deviation; the window ends at 2.5 of it.
+    """
+    reach, h, w = int(2.5 * float(deviation)), *screen_length.shape
+    k = np.arange(-reach, reach + 1)
+    weight = np.exp(-(k**2) / (2 * float(deviation) ** 2))
+    rows, columns = np.arange(h)[:, None], np.arange(w)[None, :]
+    moved = [(np.clip(rows + i, 0, h - 1), columns) if along else (rows, np.clip(columns + i, 0, w - 1)) for i in k]
+    f = screen_length.astype(np.float64)
+    screen_length_next[:] = sum(a * f[at] for a, at in zip(weight, moved)) / weight.sum()
