@@ -3,7 +3,7 @@
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.physics.screen import decay, window
+from melt.physics.screen import decay
 
 CHUNKS, SPREAD = 64, 37  # odd: every chunk comes once, and neighbours go to different threads
 LANES = 64
@@ -104,36 +104,57 @@ def bilateral_pass(screen_depth, filter, view, along, screen_depth_next):
                 _finish(centre, total, weight, screen_depth_next[row, c:end])
 
 
+@cpu_helper
+def _pair(k2, centre, one, two, filter, focal, state):
+    """Add a pair of taps of the narrow-range filter to the state of a group of lanes: sums, weights, low and high ends.
+
+    One array holds the four, LANES apart: of separate ones, the compiler would have to prove that they do not overlap.
+    """
+    real = type(focal)
+    none = real(np.inf)
+    least, most = real(0.5) / (filter.largest * filter.largest), real(0.5) / (filter.smallest * filter.smallest)
+    per = real(0.5) / (focal * filter.size * (focal * filter.size))
+    for lane in range(np.uint64(centre.shape[0])):
+        depth, near, far = centre[lane], min(one[lane], two[lane]), max(one[lane], two[lane])
+        low, high = state[lane + np.uint64(2 * LANES)], state[lane + np.uint64(3 * LANES)]
+        x = k2 * min(max(depth * depth * per, least), most)
+        some, held, both = x <= real(REACH2) and near >= low and far < none, near <= high, far <= high
+        w = decay(x) if some else real(0)
+        first, second = near - depth if held else filter.clamp, far - depth if both else filter.clamp
+        state[lane] += w * (first + second)
+        state[lane + np.uint64(LANES)] += w + w
+        state[lane + np.uint64(2 * LANES)] = min(low, near - filter.narrow) if some and held else low
+        state[lane + np.uint64(3 * LANES)] = max(high, (far if both else near) + filter.narrow) if some and held else high
+
+
 @cpu_stage
 def narrow_pass(screen_depth, filter, view, along, screen_depth_next):
     """See `melt.reference.screen_smooth.narrow_pass`."""
     real = screen_depth.dtype.type
     height, width = screen_depth.shape
-    none = real(np.inf)
-    down, right = (1, 0) if along == 1 else (0, 1)
+    margin, none = int(real(2.5) * filter.largest) + 1, real(np.inf)
     for piece in prange(CHUNKS):
         chunk = piece * SPREAD % CHUNKS
+        line, state = np.full(width + 2 * margin, none, screen_depth.dtype), np.empty(4 * LANES, screen_depth.dtype)
         for row in range(chunk * height // CHUNKS, (chunk + 1) * height // CHUNKS):
-            for column in range(width):
-                centre = screen_depth[row, column]
-                total, weight = real(0), real(1)
-                low, high = centre - filter.narrow, centre + filter.narrow
-                spread = window(centre, filter.size, view.focal, filter.smallest, filter.largest)
-                room = min(row, height - 1 - row) if along == 1 else min(column, width - 1 - column)
-                k = 1
-                while centre < none and k <= room and real(k * k) * spread <= real(REACH2):
-                    one, two = screen_depth[row - k * down, column - k * right], screen_depth[row + k * down, column + k * right]
-                    near, far = min(one, two), max(one, two)
-                    if near >= low and far < none:
-                        w = decay(real(k * k) * spread)
-                        gaps = (near - centre if near <= high else filter.clamp) + (far - centre if far <= high else filter.clamp)
-                        total += w * gaps
-                        weight += w + w
-                        low = min(low, near - filter.narrow) if near <= high else low
-                        top = far if far <= high else near
-                        high = max(high, top + filter.narrow) if top <= high else high
-                    k += 1
-                screen_depth_next[row, column] = centre + total / weight if centre < none else none
+            line[margin : margin + width] = screen_depth[row]
+            for c in range(0, width, LANES):
+                end = min(c + LANES, width)
+                centre = screen_depth[row, c:end]
+                for lane in range(end - c):
+                    state[lane], state[LANES + lane] = real(0), real(1)
+                    state[2 * LANES + lane], state[3 * LANES + lane] = centre[lane] - filter.narrow, centre[lane] + filter.narrow
+                reach = _farthest(centre, filter, view.focal)
+                if along == 1:
+                    reach = min(reach, row, height - 1 - row)
+                for k in range(1, reach + 1):
+                    one, two = line[margin + c - k : margin + end - k], line[margin + c + k : margin + end + k]
+                    if along == 1:
+                        one, two = screen_depth[row - k, c:end], screen_depth[row + k, c:end]
+                    _pair(real(k * k), centre, one, two, filter, view.focal, state)
+                out = screen_depth_next[row, c:end]
+                for lane in range(end - c):
+                    out[lane] = centre[lane] + state[lane] / state[LANES + lane] if centre[lane] < none else none
 
 
 @cpu_stage

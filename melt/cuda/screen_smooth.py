@@ -64,12 +64,13 @@ def _narrow_pass(screen_depth, filter, view, along, screen_depth_next):
     low, high = centre - filter.narrow, centre + filter.narrow
     spread = window(centre, filter.size, view.focal, filter.smallest, filter.largest)
     room = min(row, height - 1 - row) if along == 1 else min(column, width - 1 - column)
-    k = 1
+    w, rate = real(1), math.exp(-spread)
+    square, k = rate * rate, 1
     while k <= room and real(k * k) * spread <= real(3.125):
+        w, rate = w * rate, rate * square  # g^(k^2)
         one, two = screen_depth[row - k * down, column - k * right], screen_depth[row + k * down, column + k * right]
         near, far = min(one, two), max(one, two)
         if near >= low and far < none:
-            w = decay(real(k * k) * spread)
             total += w * ((near - centre if near <= high else filter.clamp) + (far - centre if far <= high else filter.clamp))
             weight += w + w
             if near <= high:

@@ -166,7 +166,7 @@ class ScreenRenderer:
         most, mean = (float(good.max()), float(good.mean())) if len(good) else (1.0, 1.0)
         middle, far = _depths(self.camera, position, most)
         view = self._view(far)
-        filter = P.make(P.Filter, self.real, size=1.1 * mean, smallest=1.0, largest=16.0, range=2 * mean, narrow=3 * mean, clamp=mean)
+        filter = P.make(P.Filter, self.real, size=0.85 * mean, smallest=1.0, largest=16.0, range=2 * mean, narrow=3 * mean, clamp=mean)
         # int32 cannot overflow, whatever the particles: every one adds a chord of at most 2 r, or a weight of at most 1
         steps = 2.0**30 / max(n, 4096)
         sums = P.make(P.Splat, self.real, length_steps=steps / (2 * most), value_steps=steps, reach=3 * mean)
