@@ -32,6 +32,13 @@ EXTENTS = {
     "column": "columns of the neighbour grid, nx ny, x fastest",
     "voxel": "cells of the temperature grid, a spacing wide, x fastest",
     "reduction": "64 partial results of a fixed-shape reduction",
+    "pixel_row": "rows of the picture",
+    "pixel_column": "its columns",
+    "half_row": "rows at half resolution: ceil(pixel_row / 2)",
+    "half_column": "columns at half resolution",
+    "stop": "colours of a map, evenly spaced from 0 to 1",
+    "relief_row": "nodes of the drawn height field in y",
+    "relief_column": "nodes of the drawn height field in x",
 } | fields_flood.EXTENTS
 
 
@@ -235,6 +242,25 @@ _TABLE = [
     # reductions read by the host
     _f("motion_bounds", "2 reduction", "real", "m/s, m/s^2", "speed", "largest speed and acceleration of mobile particles"),
     *[_f(*row) for row in fields_flood.TABLE],
+    # screen-space renderer
+    _f("screen_radius", "particle", "real", "m", "spacing", "radius with which a particle is drawn; not above 0: it is not"),
+    _f("particle_value", "particle", "real", "1", "one", "place of the particle's colour on the map, 0 to 1"),
+    _f("screen_sphere", "4 particle", "real", "m", "spacing", "centre in the camera frame (right, down, forward) and radius; 0 if unseen"),
+    _f("screen_box", "4 particle", "real", "px", "one", "first and last column, first and last row that a sphere reaches; -1 last if unseen"),
+    _f("screen_skipped", "reduction", "int", "1", "", "particles whose position or radius is not finite, in 64 pieces"),
+    _f("screen_depth", "pixel_row pixel_column", "real", "m", "spacing", "depth of the liquid's surface, inf for none"),
+    _f("screen_depth_next", "pixel_row pixel_column", "real", "m", "spacing", "depth after a pass of smoothing (double buffer)"),
+    _f("screen_normal", "3 pixel_row pixel_column", "real", "1", "one", "normal of the surface in the camera frame, towards the eye"),
+    _f("screen_length", "half_row half_column", "real", "m", "spacing", "thickness: length of the ray inside liquid"),
+    _f("screen_length_next", "half_row half_column", "real", "m", "spacing", "thickness, blurred"),
+    _f("screen_length_sum", "half_row half_column", "int", "1", "", "scratch: thickness in fixed point"),
+    _f("screen_value", "2 half_row half_column", "real", "1", "one", "sums of weight times particle_value, and of weights, near the surface"),
+    _f("screen_value_sum", "2 half_row half_column", "int", "1", "", "scratch: both sums in fixed point"),
+    _f("screen_map", "3 stop", "real", "1", "one", "colours (red, green, blue) of the map"),
+    _f("behind_depth", "pixel_row pixel_column", "real", "m", "spacing", "depth of what stands behind the liquid (ground, solids), inf for none"),
+    _f("behind_colour", "3 pixel_row pixel_column", "real", "1", "one", "its colour (red, green, blue), 0 to 1"),
+    _f("picture", "3 pixel_row pixel_column", "real", "1", "one", "colour (red, green, blue), 0 to 1; highlights exceed it"),
+    _f("relief_height", "relief_row relief_column", "real", "m", "spacing", "height of the drawn height field, NaN for a hole"),
 ]
 
 FIELDS = {field.name: field for field in _TABLE}

@@ -32,6 +32,7 @@ from melt.params_flood import (  # noqa: F401
     Sampling,
     Terrain,
 )
+from melt.params_screen import Filter, Optics, Relief, Splat, View  # noqa: F401
 
 CUBIC, WENDLAND2, MUELLER = range(3)
 L_VISC, L_BROOK, L_BROOK_REGULAR = range(3)

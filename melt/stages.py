@@ -9,6 +9,7 @@ A field that is read and written stands among the written ones.
 from melt.registry import COPY, EIGEN, EXACT, FEW, NEAR, REGION, STIFF, SUM, SWEEP, stage
 from melt.stages_boiling import LIST as BOILING
 from melt.stages_flood import LIST as FLOOD
+from melt.stages_screen import LIST as SCREEN
 
 _LATENT = "heat_capacity_molten latent_point latent_capacity"
 _THERMAL = f"conductivity heat_volume heat_capacity {_LATENT}"
@@ -165,6 +166,7 @@ _LIST = [
     stage("surface", "surface", "melting 2.8", f"position phase volume {NEAR}", "smoothing full_neighbours", "surface", EXACT),
     stage("surface_field", "surface_field", "melting 2.8", "position temperature cell_start surface_node", "grid reconstruction",
            "surface_distance surface_temperature", EIGEN),
+    *SCREEN,
 ]
 
 STAGES = {entry.name: entry for entry in _LIST}

@@ -1,7 +1,7 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _pbf
+from melt.check import _boiling, _cloud, _pbf, _screen
 from melt.check import _flood_values as _flood
 
 #: Parameter tuples with values that exercise every term.
@@ -87,6 +87,11 @@ TUPLES = {
     "basin": (P.Basin, _flood.BASIN),
     "friction": (P.Friction, _flood.FRICTION),
     "sampling": (P.Sampling, _flood.SAMPLING),
+    "view": (P.View, _screen.VIEW),
+    "splat": (P.Splat, _screen.SPLAT),
+    "filter": (P.Filter, _screen.FILTER),
+    "optics": (P.Optics, _screen.OPTICS),
+    "relief": (P.Relief, _screen.RELIEF),
     "domain": (
         P.Domain,
         dict(lower_x=-1.0, lower_y=-1.0, lower_z=-1.0, upper_x=1.5, upper_y=6.0, upper_z=20.0, delete=1),
@@ -118,6 +123,9 @@ SCALARS = {
     "first_id": 5000,
     "served": 1,
     "coarse": 2,
+    "along": 0,
+    "longest": 0.9,
+    "deviation": 1.7,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.
@@ -147,6 +155,7 @@ SWITCHES = {
     "domain": {"delete": (0, 1)},
     "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
     **_flood.SWITCHES,
+    "optics": {"mapped": (0, 1)},
 }
 
 #: Extra variants of single stages.
@@ -162,6 +171,8 @@ EXTRA = {
     "vapour_source": [{"n": 1200, "served": 9}],
     "condense": [{"n": 1200, "served": 9}],
     **{name: [{"bubbles": True}] for name in ("pbf_begin", "pbf_list", "pbf_lambda", "pbf_correction", "pbf_xsph", "iteration_key")},
+    "screen_project": [{"below": 1}],
+    **{name: [{"along": 1}] for name in ("bilateral_pass", "narrow_pass", "screen_blur")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
     **_flood.EXTRA,
 }

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _flood, _flood_values, _pbf, _sites, _thermal
+from melt.check import _boiling, _cloud, _flood, _flood_values, _pbf, _screen, _sites, _thermal
 from melt.check._choices import EXTRA, LEAST, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
@@ -83,6 +83,7 @@ def scene(n, seed, ordered, width, connect):
     arrays.update(special_fields(arrays, rng))
     arrays.update(_pbf.fields(arrays, rng))
     arrays.update(_boiling.fields(arrays, rng))
+    arrays.update(_screen.fields(arrays, np.random.default_rng(seed + 2)))
     for array in arrays.values():
         array.flags.writeable = False
     return arrays, grid
@@ -142,6 +143,7 @@ def _sizes(arrays, grid):
         bin=len(arrays["height_bins"]),
         column=grid["nx"] * grid["ny"],
         voxel=_boiling.VOXELS,
+        **_screen.SIZES,
     )
 
 

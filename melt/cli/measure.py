@@ -56,10 +56,16 @@ def bench(
     ] = None,
     flood: Annotated[bool, typer.Option("--flood", help="Time shallow water that runs apart over hills.")] = False,
     support: Annotated[float, typer.Option("--support", min=1.6, max=6, help="Support radius of --pbf in spacings.")] = 2.0,
+    render: Annotated[bool, typer.Option("--render", help="Time the screen-space renderer, at the first PARTICLES.")] = False,
     out: Out = None,
 ):
     """Time the stages: milliseconds, nanoseconds per pair, scaling with particles and threads."""
     from melt import bench as benchmark
+    from melt import bench_screen
+
+    if render:
+        bench_screen.run(sizes[0] if sizes else bench_screen.PARTICLES, backend, frames=2 * steps, say=typer.echo)
+        return
 
     _known("precision", [precision], ("single", "mixed", "double"))
     benchmark.run(

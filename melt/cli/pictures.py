@@ -34,6 +34,12 @@ def render(
     frame: Annotated[int, typer.Option("--frame", help="Frame of a picture or mesh; -1 is the last.")] = -1,
     field: Annotated[str, typer.Option("--field", help="Field that the colours show.")] = "temperature",
     surface: Annotated[bool, typer.Option("--surface", help="Draw surfaces in place of particles.")] = False,
+    renderer: Annotated[
+        str, typer.Option("--renderer", help="particles, or screen: a smooth liquid without a mesh, fast.")
+    ] = "particles",
+    smooth: Annotated[
+        str, typer.Option("--smooth", help="Of --renderer screen: narrow, separable or bilateral.")
+    ] = "narrow",
     view: Annotated[
         str, typer.Option("--view", help="Where the camera stands: iso, front, side, top.")
     ] = "iso",
@@ -49,9 +55,9 @@ def render(
     from melt.output.picture import render as draw
 
     output = output or path.with_suffix(".png")
-    options = {}
+    options, screen = {}, _screen(renderer, smooth, surface)
     if output.suffix.lower() in (".png", ".mp4"):
-        options = dict(field=field, surface=surface, view=view, size=_pixels(size), walls=walls)
+        options = dict(field=field, surface=surface, view=view, size=_pixels(size), walls=walls, screen=screen)
     if output.suffix.lower() == ".mp4":
         draw(path, output, fps=fps, frames=_slice(frames), progress=None if quiet else _bar(), **options)
     else:
@@ -59,6 +65,18 @@ def render(
     if not quiet:
         left_out = output.suffix.lower() in (".ply", ".obj", ".vtp", ".pov") and _has_gas(path)
         typer.echo(f"{output} written" + (", without its bubbles and vapour: pictures and videos have them" if left_out else ""), err=True)
+
+
+def _screen(renderer, smooth, surface):
+    """Return the smoothing of the screen-space renderer, None for the other one."""
+    from melt.output.screen import SMOOTH
+
+    for option, given, known in (("--renderer", renderer, ("particles", "screen")), ("--smooth", smooth, SMOOTH)):
+        if given not in known:
+            raise MeltError(f"{option} {given}: use {', '.join(known)}")
+    if renderer == "screen" and surface:
+        raise MeltError("--surface draws a mesh and --renderer screen does without: give one of them")
+    return smooth if renderer == "screen" else None
 
 
 def _has_gas(path):

@@ -15,6 +15,7 @@ from melt.output import gas as gases
 from melt.output.annotate import annotate, edges
 from melt.output.errors import OutputError, output_error
 from melt.output.run_reader import Run, open_run
+from melt.output.screen_run import ScreenLiquid
 from melt.output.shade import Spheres, Stage
 from melt.physics.phases import BUBBLE, LIQUID, PHASE_NAMES, SOLID, VAPOUR, WALL
 
@@ -28,9 +29,10 @@ class Painter:
         surface: draw the liquid's surface and the solids' instead of particles.
         view: iso, side, front or top. size: pixels (width, height).
         walls: draw wall particles too.
+        screen: draw the liquid in screen space with this smoothing (`melt.output.screen.SMOOTH`).
     """
 
-    def __init__(self, run, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False):
+    def __init__(self, run, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False, screen=None):
         if view not in cameras.VIEWS:
             raise OutputError(f"unknown view '{view}': use {', '.join(cameras.VIEWS)}.")
         if len(run) == 0:
@@ -50,6 +52,7 @@ class Painter:
             *seen, view, *size, right=0.12 if self.colouring.field != "phase" else 0.0
         )
         self._stage = None
+        self.screen = ScreenLiquid(screen, self.colouring, self.spacing) if screen else None
 
     def values(self, frame):
         """Return the numbers (n,) that colour a frame."""
@@ -104,10 +107,16 @@ class Painter:
         else:
             solid_layer = shade.sphere_layer(solid_shapes, camera)
             behind = np.minimum(self.stage.floor_depth, solid_layer.depth)
+            if self.screen:
+                picture = self.screen.draw(self.stage, solid_layer, maps, x[drops], self.values(frame)[drops], bubbles)
+                return self._finished(picture, k, phase[seen])
             liquid_layer = shade.sphere_layer(liquid_shapes, camera, behind)
         drawn = (solid_layer, liquid_layer, maps, "mesh" if self.surface else "spheres")
         picture = gases.draw(self.stage, *drawn, bubbles) if bubbles else self.stage.draw(*drawn)
-        number = np.bincount(phase[seen], minlength=6)
+        return self._finished(picture, k, phase[seen])
+
+    def _finished(self, picture, k, phase):
+        number = np.bincount(phase, minlength=6)
         counts = ", ".join(f"{number[p]:,} {PHASE_NAMES[p]}" for p in (0, 1, 3, 4) if number[p])
         return annotate(shade.reduce(picture), self.run.times[k], self.colouring, counts)
 
@@ -153,11 +162,11 @@ def _scene_facts(run):
 
 
 def render_frame(
-    run, frame, out_png, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False
+    run, frame, out_png, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False, screen=None
 ):
     """Write one frame as PNG."""
     with whole(out_png) as temporary:
-        picture = Painter(run, field, surface, view, size, walls).draw(frame)
+        picture = Painter(run, field, surface, view, size, walls, screen).draw(frame)
         Image.fromarray(picture).save(temporary, format="PNG")
 
 
@@ -172,6 +181,7 @@ def render_video(
     walls=False,
     frames=None,
     progress=None,
+    screen=None,
 ):
     """Write frames (numbers or a slice; all unless given) as H.264; Ctrl-C or a failure leaves no file.
 
@@ -180,7 +190,7 @@ def render_video(
     import imageio_ffmpeg
 
     size = tuple(v - v % 2 for v in size)  # yuv420p halves both
-    painter = Painter(run, field, surface, view, size, walls)
+    painter = Painter(run, field, surface, view, size, walls, screen)
     chosen = range(len(run))[frames] if isinstance(frames, slice) else range(len(run)) if frames is None else list(frames)
     if not len(chosen):
         raise OutputError(f"no frame to draw: {run.path} has frames 0 to {len(run) - 1}.")

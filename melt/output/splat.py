@@ -187,3 +187,14 @@ def puffs(centre, radius, focal, centre_x, centre_y, far, up, total, bright):
                         dense = left * left
                         total[row, column] += dense
                         bright[row, column] += dense * (np.float32(0.5) - np.float32(0.5) * v * up)
+
+
+@cpu_stage
+def to_bytes(planes, out):
+    """Write colours (3, height, width), 0 to 1, as bytes (height, width, 3); what exceeds the range is cut off."""
+    real = planes.dtype.type
+    height, width = out.shape[:2]
+    for row in prange(height):
+        for column in range(width):
+            for k in range(3):
+                out[row, column, k] = np.uint8(min(max(planes[k, row, column], real(0)), real(1)) * real(255) + real(0.5))

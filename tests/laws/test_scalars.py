@@ -53,6 +53,7 @@ INTEGERS = {
     "stream",
     "coarse",
     "steps",
+    "column",
 }
 #: Words of a random generator: uint64.
 WORDS = {"c0", "c1", "c2", "c3", "k0", "k1"}
@@ -66,6 +67,9 @@ ARRAYS |= {f"bubble_life.{name}": ((3, 4), None) for name in ("position", "veloc
 #: Node fields of a terrain grid.
 ARRAYS |= {"terrain.terrain": (99, None), "terrain.field": (99, None), "flood_motion.terrain_wall": (99, None)}
 ARRAYS |= {"flood_forces.terrain": (99, None), "flood_control.terrain": (99, None)}
+#: Pictures, and colour maps, of the screen-space renderer.
+ARRAYS |= {f"screen_light.{name}": ((5, 6), None) for name in ("image", "behind_depth", "screen_map")}
+ARRAYS |= {f"screen_light.{name}": ((3, 5, 6), None) for name in ("screen_value", "behind_colour")}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
     ("polar.horn", "A"): 9,
@@ -89,6 +93,7 @@ NUMBERS = {
     ("polar._dot", "b"): 3,
     ("polar._cross", "a"): 3,
     ("polar._cross", "b"): 3,
+    ("screen_light.behind", "own"): 3,
 }
 #: Names above that are reals all the same: an axis-angle or matrix written out, coordinates.
 REALS = {("quaternion.from_matrix", "i"), ("search.precedes", "x"), ("search.precedes", "y")}

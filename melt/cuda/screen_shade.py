@@ -1,0 +1,81 @@
+"""CUDA twin of `melt.reference.screen_shade`."""
+
+import math
+
+from melt._compile import cuda, cuda_kernel
+from melt.physics.screen_light import behind, body, doubled, lit, mixed, slope
+
+
+@cuda_kernel
+def _screen_normal(screen_depth, view, screen_normal):
+    k = cuda.grid(1)
+    height, width = screen_depth.shape
+    if k >= height * width:
+        return
+    real = screen_depth.dtype.type
+    none, per, half = real(math.inf), real(1) / view.focal, real(0.5)
+    row, column = k // width, k % width
+    depth = screen_depth[row, column]
+    if not depth < none:
+        screen_normal[0, row, column] = screen_normal[1, row, column] = real(0)
+        screen_normal[2, row, column] = real(-1)
+        return
+    u, v = (real(column) + half - view.centre_x) * per, (real(row) + half - view.centre_y) * per
+    right = screen_depth[row, column + 1] if column + 1 < width else none
+    left = screen_depth[row, column - 1] if column > 0 else none
+    below = screen_depth[row + 1, column] if row + 1 < height else none
+    above = screen_depth[row - 1, column] if row > 0 else none
+    a, s = slope(depth, right, left, none)
+    b, t = slope(depth, below, above, none)
+    s, t = (s if s != real(0) else real(1)), (t if t != real(0) else real(1))
+    # tangents s (u a + s (D + a)/f, v a, a) and t (u b, v b + t (D + b)/f, b); their product is written out
+    e, g = (depth + a) * per, (depth + b) * per
+    x, y = s * a * g, t * b * e
+    z = -(e * g + s * u * a * g + t * v * b * e)
+    size = real(1) / math.sqrt(x * x + y * y + z * z)
+    screen_normal[0, row, column], screen_normal[1, row, column], screen_normal[2, row, column] = x * size, y * size, z * size
+
+
+def screen_normal(screen_depth, view, screen_normal):
+    """See `melt.reference.screen_shade.screen_normal`."""
+    _screen_normal.launch(screen_depth.shape[0] * screen_depth.shape[1], screen_depth, view, screen_normal)
+
+
+@cuda_kernel
+def _screen_shade(
+    screen_depth, screen_normal, screen_length, screen_value, screen_map, behind_depth, behind_colour,
+    view, optics, picture,
+):
+    k = cuda.grid(1)
+    height, width = screen_depth.shape
+    if k >= height * width:
+        return
+    real = screen_depth.dtype.type
+    per, half = real(1) / view.focal, real(0.5)
+    row, column = k // width, k % width
+    depth = screen_depth[row, column]
+    own = behind_colour[0, row, column], behind_colour[1, row, column], behind_colour[2, row, column]
+    if not depth < real(math.inf):
+        picture[0, row, column], picture[1, row, column], picture[2, row, column] = own
+        return
+    u, v = (real(column) + half - view.centre_x) * per, (real(row) + half - view.centre_y) * per
+    nx, ny, nz = screen_normal[0, row, column], screen_normal[1, row, column], screen_normal[2, row, column]
+    F, mirrored, shine, light = lit(u, v, nx, ny, nz, optics)
+    length = doubled(screen_length, row, column)
+    shift = optics.refraction * length * view.focal / depth
+    back = behind(real(column) - shift * nx, real(row) - shift * ny, depth, own, behind_depth, behind_colour)
+    liquid = body(row, column, screen_value, screen_map, optics)
+    picture[0, row, column] = mixed(liquid[0], back[0], mirrored[0], optics.absorb_red, length, light, F, shine)
+    picture[1, row, column] = mixed(liquid[1], back[1], mirrored[1], optics.absorb_green, length, light, F, shine)
+    picture[2, row, column] = mixed(liquid[2], back[2], mirrored[2], optics.absorb_blue, length, light, F, shine)
+
+
+def screen_shade(
+    screen_depth, screen_normal, screen_length, screen_value, screen_map, behind_depth, behind_colour,
+    view, optics, picture,
+):
+    """See `melt.reference.screen_shade.screen_shade`."""
+    _screen_shade.launch(
+        screen_depth.shape[0] * screen_depth.shape[1], screen_depth, screen_normal, screen_length, screen_value,
+        screen_map, behind_depth, behind_colour, view, optics, picture,
+    )
