@@ -10,10 +10,13 @@ from melt.physics.flood_forces import (
     balanced_factors,
     coincident,
     front_share,
+    inner_share,
+    may_be_front,
     separation,
     slope_scale,
     slope_shape,
     stabilisation,
+    stands_in_void,
     surface_rise,
     wall_slope,
 )
@@ -109,6 +112,27 @@ def _closure(i, position, support_radius, wall_count, wall_index, boundary_posit
 
 
 @cpu_helper
+def _at_void(i, row, count, s_x, s_y, position, support_radius, wall_count, wall_index, boundary_position):
+    """Return whether i stands beside a void: S does not close, and no column or wall stands where it points away from."""
+    real = support_radius.dtype.type
+    h_i = support_radius[i]
+    if not may_be_front(s_x, s_y, h_i):
+        return False
+    for k in range(count):
+        j = row[k]
+        x, y = real(position[0, i] - position[0, j]), real(position[1, i] - position[1, j])
+        if stands_in_void(x, y, s_x, s_y, max(h_i, support_radius[j])):
+            return False
+    walls = min(np.int64(wall_count[i]), wall_index.shape[1]) if wall_count.shape[0] > 0 else 0
+    for k in range(walls):
+        b = wall_index[i, k]
+        x, y = real(position[0, i] - boundary_position[0, b]), real(position[1, i] - boundary_position[1, b])
+        if stands_in_void(x, y, s_x, s_y, h_i):
+            return False
+    return True
+
+
+@cpu_helper
 def _column(
     i, count, stop, row, id, position, velocity, rest_volume, depth, support_radius, bed, wall_count, wall_index,
     boundary_position, boundary_area, terrain, flood, terrain_grid,
@@ -122,13 +146,12 @@ def _column(
         )
         ax, ay, sx, sy = ax + bx, ay + by, sx + tx, sy + ty
     tx, ty = _closure(i, position, support_radius, wall_count, wall_index, boundary_position, boundary_area, flood)
-    s_x, s_y = real(sx + tx), real(sy + ty)
-    most = _largest_rise(i, row, count, position, depth, support_radius, bed)
-    share = front_share(
-        position[0, i], position[1, i], s_x, s_y, bed[i] + depth[i], depth[i], support_radius[i], most, terrain,
-        terrain_grid, flood,
-    )
-    push = share * flood.gravity * depth[i]
+    s_x, s_y, d, h = real(sx + tx), real(sy + ty), depth[i], support_radius[i]
+    if _at_void(i, row, count, s_x, s_y, position, support_radius, wall_count, wall_index, boundary_position):
+        share = front_share(position[0, i], position[1, i], s_x, s_y, bed[i] + d, d, h, terrain, terrain_grid)
+    else:
+        share = inner_share(_largest_rise(i, row, count, position, depth, support_radius, bed), d, flood)
+    push = share * flood.gravity * d
     return real(ax) - push * s_x, real(ay) - push * s_y
 
 

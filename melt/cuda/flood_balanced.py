@@ -3,7 +3,17 @@
 import math
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.flood_forces import balanced_factors, coincident, front_share, separation, surface_rise, wall_slope
+from melt.physics.flood_forces import (
+    balanced_factors,
+    coincident,
+    front_share,
+    inner_share,
+    may_be_front,
+    separation,
+    stands_in_void,
+    surface_rise,
+    wall_slope,
+)
 from melt.physics.phases import LIQUID
 
 
@@ -47,7 +57,19 @@ def _balanced_force(
         sx += F * x
         sy += F * y
     s_x, s_y = real(sx), real(sy)
-    share = front_share(x_i, y_i, s_x, s_y, bed[i] + d_i, d_i, h_i, most, terrain, terrain_grid, flood)
+    share = inner_share(most, d_i, flood)
+    if may_be_front(s_x, s_y, h_i):
+        void = True
+        for k in range(min(neighbour_count[i], neighbour_index.shape[1])):
+            j = neighbour_index[i, k]
+            x, y = real(x_i - position[0, j]), real(y_i - position[1, j])
+            void = void and not stands_in_void(x, y, s_x, s_y, max(h_i, support_radius[j]))
+        for k in range(walls):
+            b = wall_index[i, k]
+            x, y = real(x_i - boundary_position[0, b]), real(y_i - boundary_position[1, b])
+            void = void and not stands_in_void(x, y, s_x, s_y, h_i)
+        if void:
+            share = front_share(x_i, y_i, s_x, s_y, bed[i] + d_i, d_i, h_i, terrain, terrain_grid)
     push = share * flood.gravity * d_i
     acceleration[0, i] = real(ax) - push * s_x
     acceleration[1, i] = real(ay) - push * s_y

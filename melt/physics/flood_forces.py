@@ -11,7 +11,8 @@ from melt.params import CUBIC, FORM_LINEAR, FORM_VARIATIONAL
 from melt.physics.philox import pair_direction
 from melt.physics.terrain import bed_value
 
-OPEN = 0.15  # |S| l above which a column stands beside a void (E6, wb)
+OPEN = 0.15  # |S| l from which a column may stand beside a void (E6, wb)
+CONE = 0.5  # square of the cosine: 45 degrees about the way into the void
 TINY, APART = 1e-6, 1e-3  # columns closer than TINY h count as APART h from each other
 
 
@@ -155,20 +156,54 @@ def wall_stage(above, flood):
     return flood.reference_depth
 
 
-@scalar_lookup
-def front_share(x, y, s_x, s_y, surface, depth, h, most, terrain, terrain_grid, flood):
-    """Return epsilon of the balanced form, the share of the whole pressure that acts. E6 (wb).
+@scalar
+def along_wall(a_x, a_y, g_x, g_y, xx, xy, yy):
+    """Return the acceleration of a column with the part along the wall in full.
 
-    Beside a void, where the sum S of A_j grad W does not close, how far the surface stands above the bed there;
-    else how much the surface differs from that of neighbours, ``most`` at most.
+    Walls carry the stage of the column itself: with the share M_tt = t . M t that they take of its support, a surface that
+    slopes along them pushes by 1 - M_tt of what it should (half at the wall; M = -sum A_b (W'/r) x_ib x_ib, a straight wall
+    has M_tt = sum A_b W). g_x, g_y is sum A_b grad W, which points across the wall. A straight wall takes half at most.
     """
+    real = type(a_x)
+    g2 = g_x * g_x + g_y * g_y
+    if not g2 > real(0):
+        return a_x, a_y
+    taken = (xx * g_y * g_y - real(2) * xy * g_x * g_y + yy * g_x * g_x) / g2
+    open_share = max(real(1) - taken, real(0.5))
+    more = (real(1) / open_share - real(1)) * (a_y * g_x - a_x * g_y) / g2
+    return a_x - more * g_y, a_y + more * g_x
+
+
+@scalar
+def may_be_front(s_x, s_y, h):
+    """Return whether the sum S of A_j grad W, which points into the water, is that of a column beside a void."""
+    real = type(h)
+    ell = real(0.5) * h
+    return s_x * s_x + s_y * s_y > real(OPEN * OPEN) / (ell * ell)
+
+
+@scalar
+def stands_in_void(x, y, s_x, s_y, h):
+    """Return whether a partner at (x, y) from the column, as x_i - x_j, stands where the void would be."""
+    real = type(h)
+    r2, ahead = x * x + y * y, x * s_x + y * s_y
+    return r2 < h * h and ahead > real(0) and ahead * ahead > real(CONE) * r2 * (s_x * s_x + s_y * s_y)
+
+
+@scalar_lookup
+def front_share(x, y, s_x, s_y, surface, depth, h, terrain, terrain_grid):
+    """Return epsilon of the balanced form at a void: how far the surface stands above the bed one l into it. E6 (wb)."""
     real, wide = type(h), type(x)
-    ell, size = real(0.5) * h, math.sqrt(s_x * s_x + s_y * s_y)
-    if size * ell > real(OPEN):
-        step = ell / size
-        t = (surface - bed_value(x - wide(step * s_x), y - wide(step * s_y), terrain, terrain_grid)) / depth
-        t = real(0) if t < real(0) else t  # NaN stays
-        return real(1) if t > real(1) else t
+    step = real(0.5) * h / math.sqrt(s_x * s_x + s_y * s_y)
+    t = (surface - bed_value(x - wide(step * s_x), y - wide(step * s_y), terrain, terrain_grid)) / depth
+    t = real(0) if t < real(0) else t  # NaN stays
+    return real(1) if t > real(1) else t
+
+
+@scalar
+def inner_share(most, depth, flood):
+    """Return epsilon of the balanced form elsewhere, from the largest difference of surfaces. E6 (wb)."""
+    real = type(depth)
     t = most / (flood.front * depth)
     t = real(1) if t > real(1) else t
     return t * t * (real(3) - real(2) * t)
