@@ -14,6 +14,7 @@ from melt.output import colours, mesh_files, shade, surface_mesh
 from melt.output import gas as gases
 from melt.output.annotate import annotate, edges
 from melt.output.errors import OutputError, output_error
+from melt.output.flood_picture import FloodPainter
 from melt.output.run_reader import Run, open_run
 from melt.output.screen_run import ScreenLiquid
 from melt.output.shade import Spheres, Stage
@@ -161,12 +162,21 @@ def _scene_facts(run):
         return None, None
 
 
+def painter_of(run, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False, screen=None):
+    """Return the painter of a run: of a flood one that knows its terrain, and draws in screen space always."""
+    if "bed" in run.maps:
+        if len(run) == 0:
+            raise OutputError(f"{run.path} has no frame yet: nothing to draw.")
+        return FloodPainter(run, field, view, size, screen)
+    return Painter(run, field, surface, view, size, walls, screen)
+
+
 def render_frame(
     run, frame, out_png, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False, screen=None
 ):
     """Write one frame as PNG."""
     with whole(out_png) as temporary:
-        picture = Painter(run, field, surface, view, size, walls, screen).draw(frame)
+        picture = painter_of(run, field, surface, view, size, walls, screen).draw(frame)
         Image.fromarray(picture).save(temporary, format="PNG")
 
 
@@ -190,7 +200,7 @@ def render_video(
     import imageio_ffmpeg
 
     size = tuple(v - v % 2 for v in size)  # yuv420p halves both
-    painter = Painter(run, field, surface, view, size, walls, screen)
+    painter = painter_of(run, field, surface, view, size, walls, screen)
     chosen = range(len(run))[frames] if isinstance(frames, slice) else range(len(run)) if frames is None else list(frames)
     if not len(chosen):
         raise OutputError(f"no frame to draw: {run.path} has frames 0 to {len(run) - 1}.")
