@@ -3,7 +3,7 @@
 import math
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.flood import better_depth, scale2, support_limit, support_of, wall_share, weights2
+from melt.physics.flood import better_depth, inverse_support, scales2, support_limit, support_of, wall_share, weights2
 from melt.physics.phases import AIRBORNE, LIQUID
 
 
@@ -20,18 +20,19 @@ def _flood_depth(
     depth[i], support_factor[i], depth_state[i] = real(0), real(1), 0
     if phase[i] != LIQUID and phase[i] != AIRBORNE:
         return
-    x_i, y_i, V, scale = position[0, i], position[1, i], rest_volume[i], scale2(flood)
+    x_i, y_i, V = position[0, i], position[1, i], rest_volume[i]
+    scale, slope_scale = scales2(flood)
     liquid = phase[i] == LIQUID
     # no walls for columns that fall, nor in scenes without any
     walls = wall_count[i] if liquid and wall_count.shape[0] > 0 else 0
-    least, most = flood.smallest, support_limit(support_radius[i], flood)
-    h = support_radius[i]
+    most = support_limit(support_radius[i], flood)
+    low, high, inverse = real(1) / most, real(1) / flood.smallest, real(1) / support_radius[i]
     if liquid:
-        h = max(h, least) if h < most else most
-    d = V * (flood.ratio / h) * (flood.ratio / h)
-    omega, solved = real(1), False
+        inverse = min(inverse, high) if inverse > low else low
+    per = real(1) / (flood.ratio * flood.ratio * V)
+    d = inverse * inverse / per
+    S, alpha, solved = wide(1), real(2), False
     for _ in range(max(flood.iterations, 1) if liquid else 1):
-        inverse = real(1) / h
         norm = scale * inverse * inverse
         w, t = weights2(real(0), flood)
         sum_w, sum_t = wide(V * w if liquid else real(0)), wide(0)
@@ -41,7 +42,7 @@ def _flood_depth(
             w, t = weights2(math.sqrt(x * x + y * y) * inverse, flood)
             sum_w += rest_volume[j] * w
             sum_t += rest_volume[j] * t
-        wall_w = wall_t = gamma = wide(0)
+        wall_w = wall_t = wet = wide(0)
         for k in range(walls):
             j = wall_index[i, k]
             x, y = real(x_i - boundary_position[0, j]), real(y_i - boundary_position[1, j])
@@ -49,28 +50,30 @@ def _flood_depth(
             carried = flood.reference_depth
             if flood.wall_mirror == 1:
                 carried = max(real(wide(bed[i]) - boundary_position[2, j]) + d, real(0))  # E14
-                gamma += boundary_area[j] * w if carried > real(0) else real(0)
+                wet += boundary_area[j] * w if carried > real(0) else real(0)
             wall_w += carried * boundary_area[j] * w
             wall_t += carried * boundary_area[j] * t
-        share = wall_share(norm * real(gamma), flood)
+        gamma = norm * real(wet)
+        share = wall_share(gamma, flood)
         S = wide(norm) * (sum_w + wide(share) * wall_w)
         if not liquid:
             depth[i] = real(S)
             return
-        alpha = norm * (real(sum_t) + share * real(wall_t))
+        alpha = slope_scale * inverse * inverse * (real(sum_t) + share * real(wall_t))
         R = real(d - S)
+        free = inverse > low and inverse < high and flood.iterations > 0
         solved = abs(R) <= flood.tolerance * d or flood.iterations == 0
-        free = h > least and h < most and d > real(0) and flood.iterations > 0
-        before, wet = h, real(gamma)
-        d = better_depth(d, R, norm * real(sum_w), alpha, share * norm * wet, free, flood)
-        h = min(max(support_of(V, d, flood), least), most)
-        omega = alpha / (real(2) * real(S))
-        if solved or (not free and h == before and wet == real(0)):
+        d = better_depth(d, R, norm * real(sum_w), alpha, share * gamma, free)
+        before = inverse
+        inverse = inverse_support(d, per, low, high)
+        if solved or (not free and inverse == before and gamma == real(0)):
             solved = True
             break
+    h = min(max(support_of(V, d, flood), flood.smallest), most)
+    omega = alpha / (real(2) * real(S))
     support_radius[i], depth[i] = h, d
-    support_factor[i] = real(1) if h <= least or h >= most or omega < real(0.2) else omega
-    state = (1 if h >= flood.largest else 0) + (2 if h <= least else 0) + (0 if solved else 4)
+    support_factor[i] = real(1) if h <= flood.smallest or h >= most or omega < real(0.2) else omega
+    state = (1 if h >= flood.largest else 0) + (2 if h <= flood.smallest else 0) + (0 if solved else 4)
     depth_state[i] = state + (8 if neighbour_count[i] < 3 else 0)
 
 

@@ -67,21 +67,24 @@ def support_of(V, d, flood):
 
 
 @scalar
-def scale2(flood):
-    """Return c with W = c w(q) / h^2 and -r dW/dr = c t(q) / h^2 for the (w, t) of `weights2`."""
-    return flood.sigma * type(flood.sigma)(80 / (7 * math.pi) if flood.kernel == CUBIC else 7 / math.pi)
+def scales2(flood):
+    """Return (c, e) with W = c w / h^2 and -r dW/dr = e t / h^2 for the (w, t) of `weights2`."""
+    real = type(flood.sigma)
+    c = flood.sigma * real(80 / (7 * math.pi) if flood.kernel == CUBIC else 7 / math.pi)
+    return c, c * (real(3) if flood.kernel == CUBIC else real(20))
 
 
 @scalar
 def weights2(q, flood):
-    """Return (w, t) at q = r/h: W and -r dW/dr but for a factor. They share all but a few products."""
+    """Return (w, t) at q = r/h: W and -r dW/dr but for their factors, with as few operations as both together need."""
     real = type(q)
     a = max(real(1) - q, real(0))
+    a2 = a * a
     if flood.kernel == CUBIC:
         b = max(real(0.5) - q, real(0))
-        return a * a * a - real(4) * b * b * b, real(3) * q * min(q, a) * (a + real(2) * b)
-    cube = a * a * a
-    return a * cube * (real(4) * q + real(1)), real(20) * q * q * cube
+        b2 = real(4) * (b * b)
+        return a2 * a - b2 * b, q * (a2 - b2)
+    return a2 * a2 * (real(4) * q + real(1)), q * q * (a2 * a)
 
 
 @scalar
@@ -101,20 +104,27 @@ def wall_share(gamma, flood):
 
 
 @scalar
-def better_depth(d, R, S_water, alpha, gamma, free, flood):
+def inverse_support(d, per, low, high):
+    """Return 1/h at depth d, with ``per`` = 1/(ratio^2 V), clamped to [low, high]; low, the widest, for d <= 0 or NaN. E8."""
+    inverse = math.sqrt(d * per)
+    return min(inverse, high) if inverse > low else low
+
+
+@scalar
+def better_depth(d, R, S_water, alpha, gamma, free):
     """Return the depth after a Newton step on R(d); ``free``: the support is not clamped. E9.
 
     Free, a step changes d by a factor of 2 at most. Clamped, R is linear in d but for walls that get wet or
     dry, and d is what the water alone sums up to at least. Comparisons let NaN through.
     """
     real = type(d)
-    if free:
-        slope = (real(2) * R + alpha) * (real(0.5) / d) - gamma
-        wanted, low = d - R / max(slope, real(LEAST_SLOPE)), real(0.5) * d
-        if wanted > d + d:
-            return d + d
-    else:
-        wanted, low = d - R / (real(1) - gamma), S_water
+    twice = d + d
+    # R / [(2R + alpha)/(2d) - gamma] with one division
+    slope = max(real(2) * R + alpha - twice * gamma, real(LEAST_SLOPE) * twice) if free else real(1) - gamma
+    wanted = d - (R * twice if free else R) / slope
+    low = real(0.5) * d if free else S_water
+    if free and wanted > twice:
+        return twice
     return low if wanted < low else wanted
 
 

@@ -30,11 +30,15 @@ def whole(t):
 
 
 @scalar
+def inside(k, count):
+    """Return the node k of 0 .. count - 1 along an axis; those outside count as the nearest of the edge."""
+    return min(max(k, np.int32(0)), np.int32(count - 1))
+
+
+@scalar
 def node_number(i, j, terrain_grid):
-    """Return the number of node (i, j); those outside count as the nearest of the edge."""
-    i = min(max(i, np.int32(0)), np.int32(terrain_grid.nx - 1))
-    j = min(max(j, np.int32(0)), np.int32(terrain_grid.ny - 1))
-    return np.uint64(j * np.int32(terrain_grid.nx) + i)
+    """Return the number of node (i, j)."""
+    return np.uint64(inside(j, terrain_grid.ny) * np.int32(terrain_grid.nx) + inside(i, terrain_grid.nx))
 
 
 @scalar
@@ -65,35 +69,28 @@ def cubic(z0, z1, z2, z3, u):
     return z1 + u * (c1 + u * (c2 + u * c3)), slope, real(2) * c2 + real(6) * u * c3
 
 
-@scalar_lookup
-def spline_row(i, j, u, terrain, terrain_grid):
-    """Return `spline` along x of nodes (i-1, i, i+1) of row j."""
-    one = np.int32(1)
-    return spline(
-        terrain[node_number(i - one, j, terrain_grid)], terrain[node_number(i, j, terrain_grid)],
-        terrain[node_number(i + one, j, terrain_grid)], u,
-    )
+@scalar
+def nearest_node(t_x, t_y, real):
+    """Return the node (i, j) nearest to a place and (u, v) from it, in the type of ``real``."""
+    i, j = whole(t_x + type(t_x)(0.5)), whole(t_y + type(t_y)(0.5))
+    return i, j, type(real)(t_x - type(t_x)(i)), type(real)(t_y - type(t_y)(j))
 
 
 @scalar_lookup
-def cubic_row(i, j, u, terrain, terrain_grid):
-    """Return `cubic` along x of nodes (i-1 .. i+2) of row j."""
-    one, two = np.int32(1), np.int32(2)
-    return cubic(
-        terrain[node_number(i - one, j, terrain_grid)], terrain[node_number(i, j, terrain_grid)],
-        terrain[node_number(i + one, j, terrain_grid)], terrain[node_number(i + two, j, terrain_grid)], u,
-    )
+def spline_row(row, i, j, k, u, terrain):
+    """Return `spline` along x of nodes i, j, k of the row that starts at node ``row``."""
+    return spline(terrain[np.uint64(row + i)], terrain[np.uint64(row + j)], terrain[np.uint64(row + k)], u)
 
 
 @scalar_lookup
 def spline_patch(t_x, t_y, terrain, terrain_grid):
     """Return (b, x, y, xx, yy, xy) per node distance."""
-    real, one = terrain.dtype.type, np.int32(1)
-    i, j = whole(t_x + type(t_x)(0.5)), whole(t_y + type(t_y)(0.5))
-    u, v = real(t_x - type(t_x)(i)), real(t_y - type(t_y)(j))
-    b0, s0, c0 = spline_row(i, j - one, u, terrain, terrain_grid)
-    b1, s1, c1 = spline_row(i, j, u, terrain, terrain_grid)
-    b2, s2, c2 = spline_row(i, j + one, u, terrain, terrain_grid)
+    one, nx, ny = np.int32(1), np.int32(terrain_grid.nx), np.int32(terrain_grid.ny)
+    i, j, u, v = nearest_node(t_x, t_y, terrain_grid.inverse_dx)
+    west, here, east = inside(i - one, nx), inside(i, nx), inside(i + one, nx)
+    b0, s0, c0 = spline_row(inside(j - one, ny) * nx, west, here, east, u, terrain)
+    b1, s1, c1 = spline_row(inside(j, ny) * nx, west, here, east, u, terrain)
+    b2, s2, c2 = spline_row(inside(j + one, ny) * nx, west, here, east, u, terrain)
     b, y, yy = spline(b0, b1, b2, v)
     x, xy, _ = spline(s0, s1, s2, v)
     xx, _, _ = spline(c0, c1, c2, v)
@@ -101,15 +98,23 @@ def spline_patch(t_x, t_y, terrain, terrain_grid):
 
 
 @scalar_lookup
+def cubic_row(row, i, j, k, n, u, terrain):
+    """Return `cubic` along x of nodes i, j, k, n of the row that starts at node ``row``."""
+    return cubic(terrain[np.uint64(row + i)], terrain[np.uint64(row + j)], terrain[np.uint64(row + k)], terrain[np.uint64(row + n)], u)
+
+
+@scalar_lookup
 def cubic_patch(t_x, t_y, terrain, terrain_grid):
     """Return (b, x, y, xx, yy, xy) per node distance."""
     real, one, two = terrain.dtype.type, np.int32(1), np.int32(2)
+    nx, ny = np.int32(terrain_grid.nx), np.int32(terrain_grid.ny)
     i, j = whole(t_x), whole(t_y)
     u, v = real(t_x - type(t_x)(i)), real(t_y - type(t_y)(j))
-    b0, s0, c0 = cubic_row(i, j - one, u, terrain, terrain_grid)
-    b1, s1, c1 = cubic_row(i, j, u, terrain, terrain_grid)
-    b2, s2, c2 = cubic_row(i, j + one, u, terrain, terrain_grid)
-    b3, s3, c3 = cubic_row(i, j + two, u, terrain, terrain_grid)
+    w, m, e, f = inside(i - one, nx), inside(i, nx), inside(i + one, nx), inside(i + two, nx)
+    b0, s0, c0 = cubic_row(inside(j - one, ny) * nx, w, m, e, f, u, terrain)
+    b1, s1, c1 = cubic_row(inside(j, ny) * nx, w, m, e, f, u, terrain)
+    b2, s2, c2 = cubic_row(inside(j + one, ny) * nx, w, m, e, f, u, terrain)
+    b3, s3, c3 = cubic_row(inside(j + two, ny) * nx, w, m, e, f, u, terrain)
     b, y, yy = cubic(b0, b1, b2, b3, v)
     x, xy, _ = cubic(s0, s1, s2, s3, v)
     xx, _, _ = cubic(c0, c1, c2, c3, v)
@@ -129,41 +134,53 @@ def linear_patch(t_x, t_y, terrain, terrain_grid):
     return b + u * low + v * (left + u * twist), low + v * twist, left + u * twist, real(0), real(0), twist
 
 
-@scalar_lookup
-def patch(x, y, terrain, terrain_grid):
-    """Return b and its derivatives x, y, xx, yy, xy per node distance at (x, y), by the sampler of the grid."""
-    t_x, t_y = place_of(x, y, terrain_grid)
-    if terrain_grid.sampler == SAMPLER_BSPLINE:
-        return spline_patch(t_x, t_y, terrain, terrain_grid)
-    if terrain_grid.sampler == SAMPLER_BICUBIC:
-        return cubic_patch(t_x, t_y, terrain, terrain_grid)
-    return linear_patch(t_x, t_y, terrain, terrain_grid)
+# Each of the following picks its patch by itself and returns at one place: a shared function that picks costs
+# half as much again (numba counts references to the array across it; 40 instead of 24 ns a place, measured).
 
 
 @scalar_lookup
 def bed_value(x, y, terrain, terrain_grid):
-    """Return b(x, y) [m]."""
-    return patch(x, y, terrain, terrain_grid)[0]
-
-
-@scalar_lookup
-def bed_gradient(x, y, terrain, terrain_grid):
-    """Return (db/dx, db/dy), the exact derivative of `bed_value`."""
-    _, s_x, s_y, _, _, _ = patch(x, y, terrain, terrain_grid)
-    return s_x * terrain_grid.inverse_dx, s_y * terrain_grid.inverse_dy
+    """Return b(x, y) [m], by the sampler of the grid."""
+    t_x, t_y = place_of(x, y, terrain_grid)
+    if terrain_grid.sampler == SAMPLER_BSPLINE:
+        b, _, _, _, _, _ = spline_patch(t_x, t_y, terrain, terrain_grid)
+    elif terrain_grid.sampler == SAMPLER_BICUBIC:
+        b, _, _, _, _, _ = cubic_patch(t_x, t_y, terrain, terrain_grid)
+    else:
+        b, _, _, _, _, _ = linear_patch(t_x, t_y, terrain, terrain_grid)
+    return b
 
 
 @scalar_lookup
 def bed_sample(x, y, terrain, terrain_grid):
-    """Return (b, db/dx, db/dy)."""
-    b, s_x, s_y, _, _, _ = patch(x, y, terrain, terrain_grid)
+    """Return (b, db/dx, db/dy), the exact derivatives of `bed_value`."""
+    t_x, t_y = place_of(x, y, terrain_grid)
+    if terrain_grid.sampler == SAMPLER_BSPLINE:
+        b, s_x, s_y, _, _, _ = spline_patch(t_x, t_y, terrain, terrain_grid)
+    elif terrain_grid.sampler == SAMPLER_BICUBIC:
+        b, s_x, s_y, _, _, _ = cubic_patch(t_x, t_y, terrain, terrain_grid)
+    else:
+        b, s_x, s_y, _, _, _ = linear_patch(t_x, t_y, terrain, terrain_grid)
     return b, s_x * terrain_grid.inverse_dx, s_y * terrain_grid.inverse_dy
+
+
+@scalar_lookup
+def bed_gradient(x, y, terrain, terrain_grid):
+    """Return (db/dx, db/dy)."""
+    _, s_x, s_y = bed_sample(x, y, terrain, terrain_grid)
+    return s_x, s_y
 
 
 @scalar_lookup
 def bed_second(x, y, terrain, terrain_grid):
     """Return the second derivatives (xx, yy, xy) of b [1/m]."""
-    _, _, _, xx, yy, xy = patch(x, y, terrain, terrain_grid)
+    t_x, t_y = place_of(x, y, terrain_grid)
+    if terrain_grid.sampler == SAMPLER_BSPLINE:
+        _, _, _, xx, yy, xy = spline_patch(t_x, t_y, terrain, terrain_grid)
+    elif terrain_grid.sampler == SAMPLER_BICUBIC:
+        _, _, _, xx, yy, xy = cubic_patch(t_x, t_y, terrain, terrain_grid)
+    else:
+        _, _, _, xx, yy, xy = linear_patch(t_x, t_y, terrain, terrain_grid)
     p, q = terrain_grid.inverse_dx, terrain_grid.inverse_dy
     return xx * (p * p), yy * (q * q), xy * (p * q)
 
