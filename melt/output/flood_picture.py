@@ -31,6 +31,8 @@ class FloodPainter:
     def __init__(self, run, field="water", view="iso", size=(1280, 720), screen=None, backend="cpu"):
         if view not in cameras.VIEWS:
             raise OutputError(f"unknown view '{view}': use {', '.join(cameras.VIEWS)}.")
+        if len(run) == 0:
+            raise OutputError(f"{run.path} has no frame yet: nothing to draw.")
         self.run = run
         self.field = field if field in FIELDS else None
         low, high = self._wet_area()

@@ -165,8 +165,6 @@ def _scene_facts(run):
 def painter_of(run, field="temperature", surface=False, view="iso", size=(1280, 720), walls=False, screen=None):
     """Return the painter of a run: of a flood one that knows its terrain, and draws in screen space always."""
     if "bed" in run.maps:
-        if len(run) == 0:
-            raise OutputError(f"{run.path} has no frame yet: nothing to draw.")
         return FloodPainter(run, field, view, size, screen)
     return Painter(run, field, surface, view, size, walls, screen)
 
