@@ -36,6 +36,7 @@ def describe(run_path):
             for name, values, unit in _last_values(run)
         ]
         rows += [(name.replace("_", " "), str(value)) for name, value in run.provenance.items()]
+        rows += _floods(run)
         checkpoint = beside(run.path)
         rows.append(("checkpoint", str(checkpoint.name) if checkpoint.exists() else "none"))
     return rows
@@ -63,6 +64,21 @@ def _frames(run):
             number = np.bincount(run.frame(k, ["phase"])["phase"], minlength=6)
             text = ", ".join(f"{number[p]:,} {PHASE_NAMES[p]}" for p in range(6) if number[p])
             rows.append((f"{label} frame", text or "no particles"))
+    return rows
+
+
+def _floods(run):
+    """Gauges and maps of a flood: how much was read, and the largest values."""
+    rows = []
+    if run.gauges:
+        count = len(run.gauges["time"])
+        stages = run.gauges["surface"]
+        rows.append(("gauges", f"{stages.shape[1] if stages.ndim > 1 else 0}, {count} readings each"))
+    for name, values in run.maps.items():
+        text = f"{values.shape[1]} x {values.shape[0]} nodes"
+        if np.isfinite(values).any():
+            text += f", {np.nanmin(values):.6g} .. {np.nanmax(values):.6g} {run.map_units[name]}"
+        rows.append((f"map {name.replace('_', ' ')}", text))
     return rows
 
 

@@ -22,8 +22,8 @@ import stat
 import numpy as np
 
 from melt import diagnostics
-from melt.flood import ledger as flood_ledger
 from melt.fields import FIELDS
+from melt.flood import ledger as flood_ledger
 from melt.output import hdf5, vtk_layout
 from melt.output.errors import OutputError, RunFileError, output_error
 from melt.output.hdf5 import Group, Small
@@ -199,11 +199,12 @@ class RunWriter:
             raise self._fail(f"write frame {self.frames} (t = {time:g} s) to", error) from error
         self.frames += 1
 
-    def store(self, arrays, attributes):
+    def store(self, arrays, attributes, units=None):
         """Write arrays of the whole run to ``/melt/maps``, in place of those of an earlier end.
 
         Args:
             arrays: name -> array (ny, nx). attributes: of the group, name -> str, number or list of numbers.
+            units: name -> unit, m unless given.
 
         Raises:
             OutputError: they could not be written; the file keeps its frames.
@@ -214,9 +215,7 @@ class RunWriter:
         maps.attrs = {name: np.asarray(v) if isinstance(v, list | tuple) else v for name, v in attributes.items()}
         try:
             for name, array in arrays.items():
-                known = FIELDS.get(name)
-                attrs = {"unit": known.unit, "meaning": known.meaning} if known else {"unit": "m"}
-                dataset = Small(array.dtype, array.shape[1:], **attrs)
+                dataset = Small(array.dtype, array.shape[1:], unit=(units or {}).get(name, "m"))
                 dataset.append(self._file, array)
                 maps.children[name] = dataset
             self._file.commit(self._root)

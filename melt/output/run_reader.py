@@ -65,6 +65,7 @@ class Run:
         if "series" in melt:
             melt["series"].visititems(self._read_series)
         self.maps = {name: item[:] for name, item in melt.get("maps", {}).items()}
+        self.map_units = {name: _text(item.attrs.get("unit", b"m")) for name, item in melt.get("maps", {}).items()}
         self.map_facts = {name: _value(v) for name, v in melt["maps"].attrs.items()} if "maps" in melt else {}
         self.gauges = {name: item[:] for name, item in melt.get("gauges", {}).items()}
 
