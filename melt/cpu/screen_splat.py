@@ -189,5 +189,6 @@ def screen_value(
         for row in range(first, last):
             for column in range(width):
                 value, weight = sums[0, row - first, column], sums[1, row - first, column]
-                screen_value[0, row, column], screen_value[1, row, column] = real(value) / splat.value_steps, real(weight) / splat.value_steps
+                screen_value[0, row, column] = real(value) / splat.value_steps
+                screen_value[1, row, column] = real(weight) / splat.value_steps
                 screen_value_sum[0, row, column], screen_value_sum[1, row, column] = value, weight
