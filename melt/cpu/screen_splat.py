@@ -19,7 +19,7 @@ LANES = 16
 def screen_project(position, screen_radius, view, screen_sphere, screen_box, screen_skipped):
     """See `melt.reference.screen_splat.screen_project`."""
     real = screen_sphere.dtype.type
-    n, pieces = position.shape[1], screen_skipped.shape[0]
+    n, pieces, none = position.shape[1], screen_skipped.shape[0], real(np.inf)
     for p in prange(pieces):
         skipped = np.int32(0)
         for i in range(p * n // pieces, (p + 1) * n // pieces):
@@ -30,7 +30,8 @@ def screen_project(position, screen_radius, view, screen_sphere, screen_box, scr
             x = X * view.right_x + Y * view.right_y + Z * view.right_z
             y = X * view.down_x + Y * view.down_y + Z * view.down_z
             z = X * view.forward_x + Y * view.forward_y + Z * view.forward_z
-            finite = math.isfinite(X) and math.isfinite(Y) and math.isfinite(Z) and math.isfinite(r)
+            # by comparisons: isfinite(x) tests x - x, which the flag `reassoc` cancels where x is a difference
+            finite = abs(X) < none and abs(Y) < none and abs(Z) < none and abs(r) < none
             skipped += np.int32(0) if finite else np.int32(1)
             wide = max(r, view.smallest * z / view.focal)
             seen = finite and r > real(0) and z > real(1.01) * wide and z + wide < view.far
@@ -188,5 +189,6 @@ def screen_value(
         for row in range(first, last):
             for column in range(width):
                 value, weight = sums[0, row - first, column], sums[1, row - first, column]
-                screen_value[0, row, column], screen_value[1, row, column] = real(value) / splat.value_steps, real(weight) / splat.value_steps
+                screen_value[0, row, column] = real(value) / splat.value_steps
+                screen_value[1, row, column] = real(weight) / splat.value_steps
                 screen_value_sum[0, row, column], screen_value_sum[1, row, column] = value, weight

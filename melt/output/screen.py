@@ -83,8 +83,8 @@ class ScreenRenderer:
         sun, up = self.camera.axes @ LIGHT, self.camera.axes[:, 2]
         look = self.look
         named = dict(sun=(sun, "xyz"), up=(up, "xyz"))
-        colours = dict(body=look.body, absorb=np.array(look.absorb) / look.clarity, zenith=SKY * np.array([0.62, 0.78, 0.97]), horizon=HORIZON,
-                       nadir=(0.45, 0.47, 0.47))
+        absorb, zenith = np.array(look.absorb) / look.clarity, SKY * np.array([0.62, 0.78, 0.97])
+        colours = dict(body=look.body, absorb=absorb, zenith=zenith, horizon=HORIZON, nadir=(0.45, 0.47, 0.47))
         named |= {name: (colour, ("red", "green", "blue")) for name, colour in colours.items()}
         self.optics = P.make(
             P.Optics, self.real, fresnel=0.0201, refraction=0.25, mapped=int(self.stops is not None), ambient=look.ambient,
@@ -213,7 +213,8 @@ class ScreenRenderer:
     def layer(self, position, radius, value=None):
         """Return the liquid's surface as a `melt.output.shade.Layer`, for pictures that put gas into it."""
         self.surface(position, radius, value)
-        get = {name: self.backend.download(self.arrays[name]) for name in ("screen_depth", "screen_normal", "screen_length", "screen_value")}
+        wanted = ("screen_depth", "screen_normal", "screen_length", "screen_value")
+        get = {name: self.backend.download(self.arrays[name]) for name in wanted}
         depth, inside = get["screen_depth"], _doubled(get["screen_length"])[: self.camera.height, : self.camera.width]
         some, weight = (_doubled(v)[: self.camera.height, : self.camera.width] for v in get["screen_value"])
         rgb = np.broadcast_to(np.array(self.look.body, np.float32), (*depth.shape, 3))

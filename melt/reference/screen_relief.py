@@ -33,7 +33,7 @@ def relief_depth(relief_height, relief, view, behind_depth):
         inside = (t1 > t0) & (x > 0) & (x < nx - 1) & (y > 0) & (y < ny - 1) & np.isinf(found)
         i, j = np.clip(x, 0, nx - 2).astype(int), np.clip(y, 0, ny - 2).astype(int)
 
-        def above(at):
+        def above(at, i=i, j=j):
             a, b = start[0] + rate[:, 0] * at - i, start[1] + rate[:, 1] * at - j
             low = (1 - a) * Z[j, i] + a * Z[j, i + 1]
             return eye_z + slope[:, 2] * at - (1 - b) * low - b * ((1 - a) * Z[j + 1, i] + a * Z[j + 1, i + 1])
