@@ -19,12 +19,11 @@ LEAST_SLOPE = 0.05  # of R; a column with hardly any neighbour has none
 class _Column:
     """What one column needs of its neighbours: distances, volumes; of walls: distances, areas, bed above theirs."""
 
-    def __init__(self, i, r, r_b, water, volume, bed, boundary_position, boundary_area, flood):
+    def __init__(self, i, r, r_b, others, volume, bed, boundary_position, boundary_area, flood):
         self.V, self.flood = float(volume[i]), flood
-        others = np.flatnonzero(water & (np.arange(len(volume)) != i))
-        self.r = np.append(r[i, others], 0.0)
+        self.r = np.append(r[others], 0.0)
         self.volumes = np.append(volume[others].astype(np.float64), self.V)
-        self.r_b, self.areas = r_b[i], boundary_area.astype(np.float64)
+        self.r_b, self.areas = r_b, boundary_area.astype(np.float64)
         self.above = float(bed[i]) - boundary_position[2].astype(np.float64)
 
     def sums(self, h, d):
@@ -88,7 +87,7 @@ def flood_depth(
     reference depth. A falling column (airborne) sums over water with its own support, which it keeps.
 
     Reads: position (3, n) [m], phase (n,), rest_volume (n,) [m^3], bed (n,) [m], neighbour_count (n,) (only
-        whether it is below 3: all pairs are summed), wall_count (its length is 0 without walls), boundary_position
+        whether it is below 3: pairs are tried), wall_count (its length is 0 without walls), boundary_position
         (3, b) [m], boundary_area (b,) [m^2].
     Writes: support_radius (n,) [m], read as that of before; depth (n,) [m]; support_factor (n,); depth_state (n,):
         1 h is the largest, 2 the smallest, 4 not solved within ``iterations``, 8 fewer than 3 neighbours.
@@ -96,6 +95,7 @@ def flood_depth(
     none = wall_count.shape[0] == 0
     places, areas = (boundary_position[:, :0], boundary_area[:0]) if none else (boundary_position, boundary_area)
     r, r_b, water = apart(position, position), apart(position, places), phase == 0
+    reach = float(flood.growth) * np.nan_to_num(support_radius.astype(np.float64), nan=0.0)
     for i in range(phase.shape[0]):
         depth[i], support_factor[i], depth_state[i] = 0, 1, 0
         h_old = float(support_radius[i])
@@ -104,7 +104,8 @@ def flood_depth(
             depth[i] = (V * W2(r[i], h_old, flood)).sum()
         if phase[i] != 0:
             continue
-        column = _Column(i, r, r_b, water, rest_volume, bed, places, areas, flood)
+        others = np.flatnonzero(water & (r[i] < np.maximum(reach[i], reach)) & (np.arange(len(phase)) != i))
+        column = _Column(i, r[i], r_b[i], others, rest_volume, bed, places, areas, flood)
         h, d, omega, clamped, solved = column.solve(h_old)
         support_radius[i], depth[i], support_factor[i] = h, d, omega
         bits = (h >= float(flood.largest)) + 2 * (h <= float(flood.smallest)) + 4 * (not solved)
