@@ -32,13 +32,24 @@ def brake_at(x, y, p_x, p_y, length, terrain, terrain_grid, control, flood):
     return brake_of((bed_value(x, y, terrain, terrain_grid) - ahead) / length, control, flood)
 
 
+@scalar
+def probe_length(move, control):
+    """Return |p| [m]: the move, or the least probe. E11."""
+    return control.probe if move < control.probe else move  # NaN stays
+
+
+@scalar
+def half_side(h, control):
+    """Return half the side of the square whose corners are probed [m]. E13."""
+    return min(max(control.spread * h, control.shortest), control.longest)
+
+
 @scalar_lookup
 def mean_brake(x, y, dx, dy, move, h, terrain, terrain_grid, control, flood):
-    """Return the mean brake [m/s^2] at the corners of the square around a column that moved by (dx, dy). E12, E13."""
+    """Return the mean brake [m/s^2] at the corners of the square around a column that moved by (dx, dy). E12."""
     wide = type(x)
-    length = max(move, control.probe)
+    length, side = probe_length(move, control), wide(half_side(h, control))
     p_x, p_y = wide(dx * (length / move)), wide(dy * (length / move))
-    side = wide(min(max(control.spread * h, control.shortest), control.longest))
     total = brake_at(x - side, y - side, p_x, p_y, length, terrain, terrain_grid, control, flood)
     total += brake_at(x - side, y + side, p_x, p_y, length, terrain, terrain_grid, control, flood)
     total += brake_at(x + side, y - side, p_x, p_y, length, terrain, terrain_grid, control, flood)
