@@ -12,7 +12,7 @@ import numpy as np
 from melt._compile import cpu_helper, cpu_stage, prange
 from melt.cpu._flood_pairs import LANES
 from melt.physics.flood_forces import (
-    coincident,
+    along_wall, coincident,
     own_weight,
     pair_factors,
     pressure_divisor,
@@ -132,13 +132,22 @@ def wall_force(
             continue
         h_i, surface = support_radius[i], wide(bed[i] + depth[i])
         c_i = own_weight(depth[i], support_factor[i], flood)
-        ax = ay = wide(0)
+        ax = ay = g_x = g_y = xx = xy = yy = wide(0)
         for k in range(np.uint64(min(np.int64(wall_count[i]), wall_index.shape[1]))):
             b = np.uint64(wall_index[i, k])
             x, y = real(position[0, i] - boundary_position[0, b]), real(position[1, i] - boundary_position[1, b])
             carried = wall_stage(real(surface - boundary_position[2, b]), flood)
-            f = -c_i * carried * boundary_area[b] * wall_slope(math.sqrt(x * x + y * y), h_i, flood)
+            F = boundary_area[b] * wall_slope(math.sqrt(x * x + y * y), h_i, flood)
+            f = -c_i * carried * F
             ax += f * x
             ay += f * y
-        acceleration[0, i] += real(ax)
-        acceleration[1, i] += real(ay)
+            F = F if carried > real(0) else real(0)
+            g_x += F * x
+            g_y += F * y
+            xx -= F * x * x
+            xy -= F * x * y
+            yy -= F * y * y
+        a_x, a_y = acceleration[0, i] + real(ax), acceleration[1, i] + real(ay)
+        if flood.wall_mirror == 1:
+            a_x, a_y = along_wall(a_x, a_y, real(g_x), real(g_y), real(xx), real(xy), real(yy))
+        acceleration[0, i], acceleration[1, i] = a_x, a_y

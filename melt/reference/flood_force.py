@@ -55,6 +55,11 @@ def wall_force(
     a_i -= sum_b 2 c_i d_ib V_b grad W(h_i), which is E16 for the hydrostatic forms. Else (paper) the mass
     rho_0 V_b of the reference depth, a_i -= sum_b c_i d_ref V_b grad W(h_i). No viscosity.
 
+    Mirrored walls carry the stage of the column itself, whatever it is beside: a surface that slopes along a wall would push
+    by 1 - M_tt of what it should, M = sum_b V_b grad W (x) (x_b - x_i), t along the wall (across G = sum_b V_b grad W).
+    The acceleration along t is therefore divided by it; a straight wall has M_tt = sum_b V_b W, one half at most.
+    (Ritter in a strip 20 columns wide: the row at the wall was 10 % too slow, then 2 % too fast.)
+
     Reads: position (3, n) [m], phase (n,), depth, bed, support_radius (n,) [m], support_factor (n,) [1],
         boundary_position (3, b) [m], boundary_area (b,) [m^2]; the list is not used (all pairs).
     Writes: acceleration (2, n) [m/s^2].
@@ -70,4 +75,12 @@ def wall_force(
     stage = np.maximum(0.0, (b + d)[:, None] - x_b[2][None, :])
     carried = 2 * stage if flood.wall_mirror == 1 else np.full_like(stage, float(flood.reference_depth))
     per_pair = c[:, None] * carried * boundary_area.astype(np.float64)[None, :] * F
-    acceleration[:, wet] += -(per_pair * x_ib).sum(axis=2)  # E16
+    a = acceleration[:, wet].astype(np.float64) - (per_pair * x_ib).sum(axis=2)  # E16
+    if flood.wall_mirror == 1:
+        VF = np.where(stage > 0, boundary_area.astype(np.float64)[None, :] * F, 0.0)
+        G = (VF * x_ib).sum(axis=2)
+        beside = np.linalg.norm(G, axis=0) > 0
+        t = np.array([-G[1], G[0]]) / np.where(beside, np.linalg.norm(G, axis=0), 1.0)
+        M_tt = -(VF * (t[:, :, None] * x_ib).sum(axis=0) ** 2).sum(axis=1)
+        a += np.where(beside, (1 / np.maximum(1 - M_tt, 0.5) - 1) * (t * a).sum(axis=0), 0.0) * t
+    acceleration[:, wet] = a

@@ -230,6 +230,22 @@ def test_mirrored_walls_close_a_lattice(backend):
 
 
 @everywhere
+def test_a_slope_along_a_mirrored_wall_pushes_in_full(backend):
+    """Beside a wall half of the support is closed by columns of the same stage: without a remedy half of g S is left."""
+    i, j = np.divmod(np.arange(15 * 21), 21)
+    x, left = np.column_stack([i, j]).astype(float), i < 7
+    walls = np.column_stack([x[~left], np.zeros((~left).sum()), np.ones((~left).sum())])
+    d = 1 + 0.01 * (x[left, 1] - 10)
+    a = columns(x[left], depth=d, rest_volume=d, walls=walls)
+    run("flood_force", backend, a)
+    free, beside = (np.flatnonzero((x[left] == place).all(axis=1))[0] for place in ((3, 10), (6, 10)))
+    assert a["acceleration"][1, free] == pytest.approx(-0.01 * G, rel=0.02)
+    assert 0.5 < a["acceleration"][1, beside] / a["acceleration"][1, free] < 0.8
+    run("wall_force", backend, a)
+    assert a["acceleration"][:, beside] == pytest.approx(a["acceleration"][:, free], rel=0.02, abs=1e-6)
+
+
+@everywhere
 def test_scene_without_walls_is_left_alone(backend):
     a = columns([[0, 0], [1, 0]], acceleration=[[1, 2], [3, 4]])
     assert a["wall_count"].shape == (0,)
