@@ -37,7 +37,7 @@ LIST = [
           f"id position velocity phase rest_volume depth support_radius bed {NEAR} {WALLS} boundary_position boundary_area terrain",
           "flood terrain_grid", "acceleration", STIFF),
     stage("wall_force", "flood_force", "flood E16",
-          f"position phase depth bed support_radius support_factor {WALLS} boundary_position boundary_area acceleration", "flood", "acceleration",
+          f"position phase support_radius depth bed support_factor {WALLS} boundary_position boundary_area acceleration", "flood", "acceleration",
           STIFF, partial=True),
     stage("constrain_to_bed", "flood_constrain", "flood E6 (constrained)", "phase velocity bed_slope bed_curvature acceleration", "flood",
           "acceleration", STIFF, partial=True),

@@ -121,7 +121,7 @@ def flood_force(
 
 @cpu_stage
 def wall_force(
-    position, phase, depth, bed, support_radius, support_factor, wall_count, wall_index, boundary_position,
+    position, phase, support_radius, depth, bed, support_factor, wall_count, wall_index, boundary_position,
     boundary_area, flood, acceleration,
 ):
     """See `melt.reference.flood_force.wall_force`."""

@@ -52,7 +52,7 @@ def flood_force(
 
 @cuda_kernel
 def _wall_force(
-    position, phase, depth, bed, support_radius, support_factor, wall_count, wall_index, boundary_position,
+    position, phase, support_radius, depth, bed, support_factor, wall_count, wall_index, boundary_position,
     boundary_area, flood, acceleration,
 ):
     i = cuda.grid(1)
@@ -84,11 +84,11 @@ def _wall_force(
 
 
 def wall_force(
-    position, phase, depth, bed, support_radius, support_factor, wall_count, wall_index, boundary_position,
+    position, phase, support_radius, depth, bed, support_factor, wall_count, wall_index, boundary_position,
     boundary_area, flood, acceleration,
 ):
     """See `melt.reference.flood_force.wall_force`. Without walls the lists have no rows, and nothing is launched."""
     _wall_force.launch(
-        wall_count.shape[0], position, phase, depth, bed, support_radius, support_factor, wall_count, wall_index,
+        wall_count.shape[0], position, phase, support_radius, depth, bed, support_factor, wall_count, wall_index,
         boundary_position, boundary_area, flood, acceleration,
     )

@@ -46,7 +46,7 @@ def flood_force(
 
 
 def wall_force(
-    position, phase, depth, bed, support_radius, support_factor, wall_count, wall_index, boundary_position,
+    position, phase, support_radius, depth, bed, support_factor, wall_count, wall_index, boundary_position,
     boundary_area, flood, acceleration,
 ):
     """Add what walls do to the acceleration of liquid columns.
