@@ -12,7 +12,8 @@ import numpy as np
 from melt._compile import cpu_helper, cpu_stage, prange
 from melt.cpu._flood_pairs import LANES
 from melt.physics.flood_forces import (
-    along_wall, coincident,
+    along_wall,
+    coincident,
     own_weight,
     pair_factors,
     pressure_divisor,

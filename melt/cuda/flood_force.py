@@ -3,7 +3,15 @@
 import math
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.flood_forces import along_wall, coincident, own_weight, pair_factors, separation, wall_slope, wall_stage
+from melt.physics.flood_forces import (
+    along_wall,
+    coincident,
+    own_weight,
+    pair_factors,
+    separation,
+    wall_slope,
+    wall_stage,
+)
 from melt.physics.phases import LIQUID
 
 
