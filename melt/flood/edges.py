@@ -34,6 +34,7 @@ class Edge:
     bed: float  # mean elevation along the side [m]
     datum: float
     volume: float  # of a column [m^3]
+    rise: float = 0.0  # of the bed from the side to the strip in which the water is measured, mean [m]
 
     @property
     def length(self):
@@ -80,6 +81,10 @@ class Edge:
             return math.nan
         wanted = self.wanted(time)
         given = {"discharge": wanted} if self.kind == "discharge" else {"depth": wanted}
+        if self.kind == "stage" and inside_depth > 0:
+            # level water has other depths over a bed that rises, and does not flow: stages are compared, discharge is kept
+            level = max(inside_depth + self.rise, 0.1 * inside_depth)
+            inside_depth, inside_speed = level, inside_speed * inside_depth / level
         found = boundary_state(inside_depth, inside_speed, gravity=gravity, **given)
         kept.setdefault(self.name, {"owed": 0.0, "emitted": 0}).update(depth=found.depth, speed=found.velocity)
         return found.velocity
@@ -126,4 +131,15 @@ def zone_fields(edges, widths, terrain, support):
             target[2 * edge.axis : 2 * edge.axis + 2, k] = sorted((edge.at + edge.inward * start, edge.at + edge.inward * stop))
             across = 1 - edge.axis
             target[2 * across : 2 * across + 2, k] = low[across] - 1.0, high[across] + 1.0
+        edge.rise = _mean_bed(terrain, probe[:, k]) - edge.bed
     return {"zone_box": box, "zone_probe": probe, "zone_normal": normal, "zone_speed": np.zeros(n)}
+
+
+def _mean_bed(terrain, box):
+    """Return the mean elevation [m] of nodes in a box (x from, to, y from, to), or of those nearest to its middle."""
+    x, y = terrain.x, terrain.y
+    inside = [(a >= low) & (a <= high) for a, low, high in ((x, *box[:2]), (y, *box[2:]))]
+    for k, (a, low, high) in enumerate(((x, *box[:2]), (y, *box[2:]))):
+        if not inside[k].any():
+            inside[k] = np.arange(a.size) == np.argmin(np.abs(a - 0.5 * (low + high)))
+    return float(terrain.elevation[np.ix_(inside[1], inside[0])].mean())
