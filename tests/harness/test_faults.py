@@ -9,10 +9,16 @@ from melt.check.inputs import make
 from melt.stages import STAGES
 
 
+#: Stages whose first two equal inputs may change places: b + d, and arrays of cells that no reference looks at.
+SYMMETRIC = {"flood_surface", "flood_neighbours", "wall_neighbours"}
+
+
 def applies(fault, stage, arrays):
     """Return whether the stage has what the fault needs."""
     entry = STAGES[stage]
     if fault == "swapped_arguments":
+        if stage in SYMMETRIC:
+            return False
         return swappable(stage, [arrays.get(a) for a in entry.arguments]) is not None
     if fault == "wrong_field":
         return any(arrays[a].dtype.kind == "f" for a in entry.reads if a not in entry.writes)
