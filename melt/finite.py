@@ -92,8 +92,8 @@ def not_finite(sim):
         + sim.prepared.steadier
     )
     found = []
-    names = (name for stage in sim.prepared.stages for name in STAGES[stage].writes)
-    for name in dict.fromkeys(names):
+    names = [name for stage in sim.prepared.stages for name in STAGES[stage].writes]
+    for name in dict.fromkeys([*names, *CARRIED]):
         field = FIELDS.get(name)
         if (
             name not in state
@@ -109,7 +109,7 @@ def not_finite(sim):
         _, name, bad = min(found, key=lambda f: f[0])
         i = int(np.argmax(bad))
         x = np.array2string(state.read("position")[:, i], precision=4)
-        stages = " or ".join(s for s in sim.prepared.stages if name in STAGES[s].writes)
+        stages = " or ".join(s for s in sim.prepared.stages if name in STAGES[s].writes) or "none: it was so from outside"
         who = f"particle {int(state.read('id')[i])}, position {x} m{_more(bad)}"
         return f"{when}: field {name} (stage {stages}) is not finite at {who}. {after}"
     speed = np.where(active, np.linalg.norm(state.read("velocity").astype(np.float64), axis=0), -1.0)

@@ -270,7 +270,7 @@ def _fields(p):
     yield f"fields ({len(p.prepared.fields)}), {total / 1e6:.1f} MB, {total / max(1, p.initial['id'].size):.0f} bytes per particle"
     for name in p.prepared.fields:
         field = FIELDS[name]
-        yield f"  {name:<26}{' x '.join(field.shape):<22}{field.unit:<12}{p.prepared.bytes(name) / 1e6:>9.3f} MB"
+        yield f"  {name:<26}{' x '.join(field.shape):<26} {field.unit:<12} {p.prepared.bytes(name) / 1e6:>9.3f} MB"
 
 
 def _forecast(p):

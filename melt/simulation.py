@@ -14,6 +14,7 @@ from melt.bind import Lockstep, Plain, Timed
 from melt.errors import MeltError
 from melt.fields import FIELDS, owned
 from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
+from melt.flood.maps import check_beside
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
 from melt.interrupt import asked_to_stop
@@ -217,6 +218,8 @@ def run(
     # what cannot run is known before the compiler runs
     backends.check_memory(plan.prepare(scene, initial, precision).nbytes)
     if output is not None:  # before the compiler runs: a bad path must not cost a minute
+        if scene.kind == "flood" and not overwrite:
+            check_beside(scene, pathlib.Path(output))
         facts = provenance(chosen.name, precision or scene.solver.precision, threads)
         writer = RunWriter(output, scene.to_toml(), facts, overwrite=overwrite)
     try:

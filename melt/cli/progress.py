@@ -155,6 +155,8 @@ def _counts(simulation):
     """Return how many particles of each kind there are, in words."""
     number = np.bincount(simulation.read("phase"), minlength=len(PHASE_NAMES))
     waiting = "slots for bubbles and vapour" if simulation.scene.boiling is not None else "still to flow in"
+    if simulation.scene.kind == "flood":
+        waiting = "free (for water that enters)"
     names = [name if name != "inactive" else waiting for name in PHASE_NAMES]
     return " + ".join(f"{n:,} {name}" for n, name in zip(number, names) if n) or "0"
 

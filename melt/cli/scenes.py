@@ -41,14 +41,10 @@ def plan(scene: SceneName, override: Overrides = None, preset: Preset = None, pr
 
 @app.command("schema")
 def schema():
-    """Print the JSON Schema of scene files."""
-    from melt.scene import Scene
+    """Print the JSON Schema of scene files: liquids in a box, or floods (those with a [terrain])."""
+    from melt.scene.schema import scene_schema
 
-    typer.echo(
-        json.dumps(
-            {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}, indent=2
-        )
-    )
+    typer.echo(json.dumps(scene_schema(), indent=2))
 
 
 @app.command("show")

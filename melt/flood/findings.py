@@ -71,7 +71,12 @@ def _resolution(scene, initial, prepared):
 def _courant(scene, prepared):
     s = prepared.settings
     if not s.n_sub:
-        return []
+        longest = min(limits(prepared).values())
+        n = math.ceil(scene.time.dt / longest * (1 - 1e-9))
+        if n <= s.n_sub_max:
+            return []
+        text = f"{n} sub-steps of {longest:.3g} s in an outer step, but time.n_sub_max is {s.n_sub_max}: the run will stop"
+        return [("warning", text, f"time.n_sub_max = {4 * n}, or a shorter time.dt")]
     number = s.cfl * scene.time.dt / s.n_sub / limits(prepared)["wave"]
     if number <= 0.7:
         return [("note", f"sub-steps of {scene.time.dt / s.n_sub:.3g} s: Courant number {number:.2g} in the water at the start", "")]

@@ -4,15 +4,22 @@ import math
 
 import numpy as np
 
+from melt.systems.reads import finite
+
 CLAMPED = 0.05  # share of columns at a limit of their support from which a run warns
 
 
 def limit(do):
-    """Return (longest stable sub-step [s], name of the bound) for the water of now, and keep its speed and support."""
+    """Return (longest stable sub-step [s], name of the bound) for the water of now, and keep its speed and support.
+
+    Raises:
+        NotFinite: a speed, depth or force is not finite.
+    """
     s, clock = do.settings, do.clock
     rows = np.asarray(do.read("flood_bounds"), dtype=np.float64)
     wave, push, move, clock.max_speed, clock.largest_support = (float(v) for v in rows[:5].max(axis=1))
     clock.max_acceleration = push
+    finite(wave + push + move + clock.max_speed)  # before the motion carries it on: fewest columns have it
     clamped = float(rows[5].sum())
     do.note("clamped_columns", clamped)
     if clamped > CLAMPED * max(clock.active, 1):

@@ -55,6 +55,8 @@ def settings_of(scene, initial, real):
         top_speed=s.top_speed,
         growth=s.growth,
         support=scene.support,
+        start_support=(widest := float(initial["support_radius"][: initial.active].max(initial=scene.support))),
+        least_reach=widest if scene.fluid.release_height > 0 else scene.support,  # of columns that enter or land
         largest_support=s.support_limits[1] * scene.support,
         inverse_cell=float(grid_values(scene, initial)["inverse_cell"]),
         start_wave=wave,

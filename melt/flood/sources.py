@@ -141,7 +141,7 @@ def _region(inflow, terrain):
     """
     if inflow.centre is not None:
         centre = terrain.local(inflow.centre)
-        region, corners = Disc(centre, inflow.radius), centre[:, None]
+        region, corners = Disc(centre, inflow.radius), np.stack([centre - inflow.radius, centre + inflow.radius], axis=1)
     else:
         corners = terrain.local(np.array(inflow.polygon or inflow.line).T)
         region = (Polygon if inflow.polygon else Line)(corners.T)

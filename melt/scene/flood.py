@@ -88,7 +88,7 @@ class Boundary(Section):
 
 
 class Edge(Section):
-    """A side at which stage, depth or discharge are given; what leaves does so without reflection."""
+    """A side at which stage, depth or discharge are given. Waves from inside come back from it, unless it is far."""
 
     side: Literal["west", "east", "south", "north"]
     stage: Length | Table | None = None
@@ -96,6 +96,8 @@ class Edge(Section):
     depth: PositiveLength | Table | None = None
     discharge: Discharge | Table | None = None
     """Into the domain, over the whole width of the side."""
+    far: bool = False
+    """stage or depth is that of still water far outside: waves from inside leave, and the side takes what depth they have."""
     width: Positive = 4.0
     """Width of the strip in which the flow is driven, in support radii."""
     until: Annotated[quantity("time", above=0), Field()] | None = None
@@ -105,6 +107,8 @@ class Edge(Section):
     def _one(self):
         if sum(v is not None for v in (self.stage, self.depth, self.discharge)) != 1:
             raise ValueError("give one of stage, depth and discharge")
+        if self.far and self.discharge is not None:
+            raise ValueError("far belongs to a stage or a depth: still water far outside has no discharge")
         return self
 
 
@@ -153,6 +157,12 @@ class Control(Section):
     clamp: bool = True
     """Keep that length between half a cell of the terrain and two spacings; the paper does not."""
 
+    @model_validator(mode="after")
+    def _ordered(self):
+        if self.slope_full < self.slope_on:
+            raise ValueError(f"slope_full = {self.slope_full:g} must be at least slope_on = {self.slope_on:g}")
+        return self
+
 
 class FloodSolver(Section):
     """Numerical choices, each a knob of the speed-accuracy trade."""
@@ -188,6 +198,12 @@ class FloodSolver(Section):
     """Slots of a neighbour list to begin with."""
     top_speed: Annotated[quantity("speed", above=0), Field()] = 50.0
     """A faster column ends the run."""
+
+    @model_validator(mode="after")
+    def _ordered(self):
+        if not self.support_limits[0] <= 1 <= self.support_limits[1]:
+            raise ValueError(f"support_limits = {self.support_limits} must be [least, most] with least <= 1 <= most")
+        return self
 
 
 class FloodOutput(Output):
@@ -236,7 +252,7 @@ class FloodScene(Section):
         sides = [e.side for e in self.edge]
         if twice := [s for s in sides if sides.count(s) > 1]:
             raise ValueError(f"edge: the side {twice[0]!r} is given twice")
-        if self.solver.form == "linear" and self.solver.bed == "constrained":
+        if self.solver.form in ("linear", "balanced") and self.solver.bed == "constrained":
             raise ValueError("solver.bed = constrained needs form = variational or symmetric")
         return self
 

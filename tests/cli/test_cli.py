@@ -60,7 +60,11 @@ def test_scenes_lists_every_shipped_scene_with_what_it_stands_for(cli):
 def test_schema_is_json(cli):
     schema = json.loads(cli("schema").stdout)
     assert schema["$schema"].startswith("https://json-schema.org/")
-    assert "heat" in schema["properties"]
+    of = {key: schema["$defs"][schema[key]["$ref"].rpartition("/")[2]] for key in ("then", "else")}
+    assert schema["if"] == {"required": ["terrain"]}
+    assert {"heat", "domain", "presets"} <= set(of["else"]["properties"]) and "terrain" not in of["else"]["properties"]
+    assert {"terrain", "control", "gauge", "presets"} <= set(of["then"]["properties"]) and "domain" not in of["then"]["properties"]
+    assert not any(scene["additionalProperties"] for scene in of.values())
 
 
 def test_show_prints_every_value_in_force(cli):
