@@ -34,6 +34,8 @@ class Edge:
     bed: float  # mean elevation along the side [m]
     datum: float
     volume: float  # of a column [m^3]
+    far: bool = False  # the depth is that of still water far outside
+    reach: float = 0.0  # from the strip to the middle of the probe [m]
     rise: float = 0.0  # of the bed from the side to the strip in which the water is measured, mean [m]
 
     @property
@@ -79,8 +81,9 @@ class Edge:
         """Return the inward speed that the columns of the strip take, NaN where the edge is left to itself."""
         if time >= self.until:
             return math.nan
+        inside_depth, inside_speed = self._arrived(kept, time, inside_depth, inside_speed, gravity)
         wanted = self.wanted(time)
-        given = {"discharge": wanted} if self.kind == "discharge" else {"depth": wanted}
+        given = {"discharge": wanted} if self.kind == "discharge" else {"far": (wanted, 0.0)} if self.far else {"depth": wanted}
         if self.kind == "stage" and inside_depth > 0:
             # level water has other depths over a bed that rises, and does not flow: stages are compared, discharge is kept
             level = max(inside_depth + self.rise, 0.1 * inside_depth)
@@ -88,6 +91,20 @@ class Edge:
         found = boundary_state(inside_depth, inside_speed, gravity=gravity, **given)
         kept.setdefault(self.name, {"owed": 0.0, "emitted": 0}).update(depth=found.depth, speed=found.velocity)
         return found.velocity
+
+    def _arrived(self, kept, time, depth, speed, gravity):
+        """Return what has come from the middle of the probe to the strip by now: it lags by the way over c - v.
+
+        Without the lag the strip moves ahead of the wave, and a wave of a few probes' length came back by a sixth.
+        """
+        state = kept.setdefault(self.name, {"owed": 0.0, "emitted": 0})
+        before = state.get("arrived")
+        if before is not None and depth > 0 and before[0] > 0:
+            pace = math.sqrt(gravity * depth) - speed
+            share = 1 - math.exp(-(time - before[2]) * max(pace, 0.0) / self.reach) if self.reach > 0 else 1.0
+            depth, speed = before[0] + share * (depth - before[0]), before[1] + share * (speed - before[1])
+        state["arrived"] = [float(depth), float(speed), float(time)]
+        return depth, speed
 
 
 def drive(do):
@@ -116,7 +133,7 @@ def _edge(k, edge, scene, terrain):
     return Edge(
         f"edge {edge.side}", k, kind, series_of(getattr(edge, kind), f"edge {edge.side}"), edge.until or math.inf, axis, inward,
         float(low[axis] if inward > 0 else high[axis]), float(low[1 - axis]), float(high[1 - axis]), float(bed.mean()), terrain.datum,
-        scene.column_volume,
+        scene.column_volume, edge.far,
     )
 
 
@@ -131,6 +148,7 @@ def zone_fields(edges, widths, terrain, support):
             target[2 * edge.axis : 2 * edge.axis + 2, k] = sorted((edge.at + edge.inward * start, edge.at + edge.inward * stop))
             across = 1 - edge.axis
             target[2 * across : 2 * across + 2, k] = low[across] - 1.0, high[across] + 1.0
+        edge.reach = 0.5 * PROBE * support
         edge.rise = _mean_bed(terrain, probe[:, k]) - edge.bed
     return {"zone_box": box, "zone_probe": probe, "zone_normal": normal, "zone_speed": np.zeros(n)}
 
