@@ -1,4 +1,4 @@
-"""CUDA twin of `melt.reference.flood_depth`. Pairs are read again in each iteration: a thread has no room to keep them."""
+"""CUDA twin of `melt.reference.flood_depth`. Pairs are read again in each iteration: a thread cannot keep them."""
 
 import math
 
@@ -20,9 +20,8 @@ def _flood_depth(
     depth[i], support_factor[i], depth_state[i] = real(0), real(1), 0
     if phase[i] != LIQUID and phase[i] != AIRBORNE:
         return
-    x_i, y_i, V = position[0, i], position[1, i], rest_volume[i]
+    x_i, y_i, V, liquid = position[0, i], position[1, i], rest_volume[i], phase[i] == LIQUID
     scale, slope_scale = scales2(flood)
-    liquid = phase[i] == LIQUID
     # no walls for columns that fall, nor in scenes without any
     walls = wall_count[i] if liquid and wall_count.shape[0] > 0 else 0
     most = support_limit(support_radius[i], flood)
@@ -34,8 +33,7 @@ def _flood_depth(
     S, alpha, solved = wide(1), real(2), False
     for _ in range(max(flood.iterations, 1) if liquid else 1):
         norm = scale * inverse * inverse
-        w, t = weights2(real(0), flood)
-        sum_w, sum_t = wide(V * w if liquid else real(0)), wide(0)
+        sum_w, sum_t = wide(V * weights2(real(0), flood)[0] if liquid else real(0)), wide(0)
         for k in range(neighbour_count[i]):
             j = neighbour_index[i, k]
             x, y = real(x_i - position[0, j]), real(y_i - position[1, j])
@@ -64,8 +62,7 @@ def _flood_depth(
         free = inverse > low and inverse < high and flood.iterations > 0
         solved = abs(R) <= flood.tolerance * d or flood.iterations == 0
         d = better_depth(d, R, norm * real(sum_w), alpha, share * gamma, free)
-        before = inverse
-        inverse = inverse_support(d, per, low, high)
+        before, inverse = inverse, inverse_support(d, per, low, high)
         if solved or (not free and inverse == before and gamma == real(0)):
             solved = True
             break
