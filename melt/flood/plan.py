@@ -63,7 +63,7 @@ def settings_of(scene, initial, real):
         start_length=0.5 * float(initial["support_radius"][: initial.active].min(initial=scene.support)),
         settle=scene.fluid.settle,
         settle_time=1.0 * math.sqrt(scene.fluid.reference_depth / 1.0),
-        settle_speed=1e-4 * max(wave, 1e-3),
+        settle_speed=1e-5 * max(wave, 1e-3),
         density=scene.fluid.density,
         capacity=initial["id"].size,
         infiltration=0.0 if scene.infiltration is None else scene.infiltration.rate,
