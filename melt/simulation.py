@@ -2,8 +2,6 @@
 
 import copy
 import pathlib
-import time
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -17,13 +15,14 @@ from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, n
 from melt.flood.maps import check_beside
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
-from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
 from melt.physics.phases import AIRBORNE, BUBBLE, LIQUID, SOLID, VAPOUR, WALL
 from melt.preflight import findings
+from melt.scales import scales_of
 from melt.scene import load_scene, scene_from_toml
 from melt.scene.model import OUTPUT_FIELDS
 from melt.state import State
+from melt.stepping import append_frame, loop
 
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
 BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid", "compression", "wave", "terrain")
@@ -57,7 +56,7 @@ class Simulation:
         given = (self.state, p.params, p.need, p.settings)
         if lockstep:
             follower = backends.load(lockstep)
-            scales = plan.scales_of(self.scene, self.initial, p.settings)
+            scales = scales_of(self.scene, self.initial, p.settings)
             self.do = Lockstep(self.backend, *given, follower=follower, scales=scales)
         else:
             self.do = (Timed if timed else Plain)(self.backend, *given)
@@ -231,9 +230,9 @@ def run(
         if writer:
             if sim.prepared.begin:
                 sim.prepared.begin(sim, writer)
-            _append(writer, sim, say)
+            append_frame(writer, sim, say)
             checkpoint.discard(checkpoint.beside(writer.path))  # of the run that it replaced
-        return _loop(sim, writer, say, total)
+        return loop(sim, writer, say, total)
     finally:
         if writer:  # if it failed before the first frame nothing is worth keeping
             writer.close(keep_empty=False)
@@ -261,51 +260,6 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     writer = RunWriter.resume(path, frames=int(meta["frames"]))
     try:
         say("resume", message=f"continuing at t = {sim.time:.6g} s with frame {int(meta['frames'])}")
-        return _loop(sim, writer, say, total)
+        return loop(sim, writer, say, total)
     finally:
         writer.close()
-
-
-def _append(writer, sim, say):
-    sim.check()
-    values = sim.series()
-    writer.append(sim.time, sim.frame(), values, sim.readings())
-    lost = values["lost_particles"]
-    if lost and not sim.lost_told:
-        sim.lost_told = True
-        say("warning", message=f"t = {sim.time:.4g} s: {lost} particles are outside of the domain")
-    sim.restart_timers()
-    say("frame", time=sim.time, frames=writer.frames)
-
-
-def _save(writer, sim):
-    sim.check()
-    arrays, meta = sim.checkpoint()
-    meta |= {"frames": writer.frames, "backend": sim.backend.name}
-    checkpoint.save(checkpoint.beside(writer.path), arrays, meta)
-
-
-def _loop(sim, writer, say, total):
-    """Step to step ``total``; Ctrl-C ends after the step that is under way, with a last checkpoint."""
-    t, began = sim.scene.time, time.perf_counter()
-    say("start", steps=total, step=sim.do.clock.step, particles=sim.do.clock.active, simulation=sim)
-    with asked_to_stop() as stop:
-        while sim.do.clock.step < total and not stop.asked:
-            sim.step()
-            step = sim.do.clock.step
-            if sim.do.notes.get("inflow_stopped") == step:
-                say("warning", message=f"t = {sim.time:.4g} s: all slots are taken, the inflow stopped")
-            if sim.do.warning and (kind := sim.do.warning.split()[0]) not in sim.told:
-                sim.told.add(kind)
-                say("warning", message=f"t = {sim.time:.4g} s: {sim.do.warning}")
-            say("step", step=step, time=sim.time, n_sub=sim.do.notes.get("n_sub", 0))
-            if writer and (step % t.output_steps == 0 or step == total):
-                _append(writer, sim, say)
-            if writer and ((t.checkpoint_steps and step % t.checkpoint_steps == 0) or step == total):
-                _save(writer, sim)
-        if stop.asked and writer:
-            _save(writer, sim)
-        if writer and sim.prepared.finish:
-            sim.prepared.finish(sim, writer, say)
-    say("end", interrupted=stop.asked)
-    return SimpleNamespace(simulation=sim, interrupted=stop.asked, seconds=time.perf_counter() - began)

@@ -106,9 +106,8 @@ def _samples(scene, terrain):
     gauges = [terrain.local(gauge.position) for gauge in scene.gauge]
     for gauge, place in zip(scene.gauge, gauges):
         if not ((place >= terrain.bounds[0]) & (place <= terrain.bounds[1])).all():
-            raise GeometryError(
-                f"gauge {gauge.name!r} at {list(gauge.position)} lies outside of the terrain, {walls.extent(terrain)}: move it, or widen the terrain"
-            )
+            where = f"at {list(gauge.position)} lies outside of the terrain, {walls.extent(terrain)}"
+            raise GeometryError(f"gauge {gauge.name!r} {where}: move it, or widen the terrain")
     x = np.hstack([x, *[g[:, None] for g in gauges]])
     count = x.shape[1]
     zero = np.zeros(count)

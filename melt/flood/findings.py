@@ -58,9 +58,8 @@ def _terrain(scene, initial):
 def _resolution(scene, initial, prepared):
     cell, found = min(initial.terrain.cell), []
     if scene.support < cell / 4:
-        found.append(
-            ("warning", f"supports of {scene.support:.3g} m are far below the terrain's cells of {cell:.3g} m: columns see a smooth bed", "a larger fluid.spacing is as good")
-        )
+        text = f"supports of {scene.support:.3g} m are far below the terrain's cells of {cell:.3g} m: columns see a smooth bed"
+        found.append(("warning", text, "a larger fluid.spacing is as good"))
     far = float(np.abs(initial["position"]).max(initial=0.0))
     step = float(np.spacing(np.float32(far))) / scene.spacing
     if prepared.precision == "single" and step > 1e-3:
@@ -78,10 +77,10 @@ def _courant(scene, prepared):
         text = f"{n} sub-steps of {longest:.3g} s in an outer step, but time.n_sub_max is {s.n_sub_max}: the run will stop"
         return [("warning", text, f"time.n_sub_max = {4 * n}, or a shorter time.dt")]
     number = s.cfl * scene.time.dt / s.n_sub / limits(prepared)["wave"]
+    text = f"sub-steps of {scene.time.dt / s.n_sub:.3g} s make a Courant number of {number:.2g} in the water at the start"
     if number <= 0.7:
-        return [("note", f"sub-steps of {scene.time.dt / s.n_sub:.3g} s: Courant number {number:.2g} in the water at the start", "")]
-    fix = math.ceil(s.n_sub * number / 0.7)
-    return [("warning", f"sub-steps of {scene.time.dt / s.n_sub:.3g} s make a Courant number of {number:.2g}, above 0.7: they are cut", f"time.n_sub = {fix}, or 'auto'")]
+        return [("note", text, "")]
+    return [("warning", f"{text}, above 0.7: they are cut", f"time.n_sub = {math.ceil(s.n_sub * number / 0.7)}, or 'auto'")]
 
 
 def limits(prepared, speed=0.0):
@@ -94,7 +93,8 @@ def head(scene, initial, prepared):
     """Yield the lines that say what a flood is made of."""
     terrain = initial.terrain
     ny, nx = terrain.shape
-    yield f"terrain {terrain.name}: {nx} x {ny} nodes, cells of {terrain.cell[0]:.6g} x {terrain.cell[1]:.6g} m, lowest {terrain.datum:.6g} m"
+    cells = f"cells of {terrain.cell[0]:.6g} x {terrain.cell[1]:.6g} m"
+    yield f"terrain {terrain.name}: {nx} x {ny} nodes, {cells}, lowest {terrain.datum:.6g} m"
     yield (
         f"columns of {scene.column_volume:.6g} m^3, {scene.spacing:g} m apart in water {scene.fluid.reference_depth:g} m deep; support "
         f"{scene.support:.4g} m there, {s_range(prepared)}; precision {prepared.precision}"

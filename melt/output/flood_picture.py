@@ -42,7 +42,9 @@ class FloodPainter:
         box = np.array([*low, z.min()]), np.array([*high, max(z.max(), z.min() + 0.02 * (high - low).max())])
         self.camera = cameras.fit(*box, view, *size, margin=0.02, right=0.12 if self.field else 0.0)
         spacing = self._spacing()
-        look = Look(clarity=2.0 * spacing) if self.field is None else Look(absorb=(1.0, 1.0, 1.0), clarity=0.1 * spacing, shine=0.3, ambient=0.7)
+        look = Look(clarity=2.0 * spacing)
+        if self.field:
+            look = Look(absorb=(1.0, 1.0, 1.0), clarity=0.1 * spacing, shine=0.3, ambient=0.7)
         self.renderer = ScreenRenderer(
             self.camera, backend, smooth=screen or "narrow", below=True, look=look, stops=self.colouring.stops if self.field else None,
         )

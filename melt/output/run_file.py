@@ -21,44 +21,10 @@ import stat
 
 import numpy as np
 
-from melt import diagnostics
 from melt.fields import FIELDS
-from melt.flood import ledger as flood_ledger
-from melt.output import hdf5, vtk_layout
+from melt.output import hdf5, run_tables, vtk_layout
 from melt.output.errors import OutputError, RunFileError, output_error
 from melt.output.hdf5 import Group, Small
-
-SERIES = diagnostics.SERIES | flood_ledger.SERIES
-
-_SERIES_UNITS = (
-    ("time", "s"),
-    ("dt", "s"),
-    ("energy", "J"),
-    ("heat", "J"),
-    ("momentum", "kg m/s"),
-    ("mass", "kg"),
-    ("temperature", "degC"),
-    ("speed", "m/s"),
-    ("position", "m"),
-    ("volume", "m^3"),
-)
-
-#: Heats: in K m^3 where a heat capacity is a volume (heat.law = paper).
-_HEATS = ("thermal_energy", "latent_energy", "energy_in")
-
-
-def series_unit(name, paper=False):
-    """Return the unit of a series: of the ledgers' table, ms for ``ms/...``, else by the last known word in its name."""
-    if paper and name in _HEATS:
-        return "K m^3"
-    if name in SERIES:
-        return SERIES[name][0]
-    if name.startswith("ms/"):
-        return "ms"
-    words = name.replace("/", "_").split("_")
-    if "error" in words:
-        return "1"
-    return next((unit for word in reversed(words) for known, unit in _SERIES_UNITS if word == known), "1")
 
 
 def followed(path):
@@ -184,13 +150,13 @@ class RunWriter:
         self._check(time, particles)
         series = {"time": float(time), **(series or {})}
         if readings:
-            series["gauge_readings"] = self._readings + len(readings["time"])
+            series["gauge_readings"] = run_tables.readings_of(self._root) + len(readings["time"])
         try:
             if self.frames == 0:
                 vtk_layout.lay_out(self._root["VTKHDF"], particles)
             vtk_layout.append_frame(self._root["VTKHDF"], self._file, self.frames, float(time), particles)
             self._append_series(series)
-            self._append_readings(readings or {})
+            run_tables.append_readings(self._root, self._file, readings or {})
             self._root["VTKHDF/Steps"].attrs["NSteps"] = np.int64(self.frames + 1)
             self._file.commit(self._root)
             if self._beside:
@@ -211,13 +177,8 @@ class RunWriter:
         """
         if self._broken:
             raise OutputError(self._broken)
-        maps = self._root.group("melt/maps")
-        maps.attrs = {name: np.asarray(v) if isinstance(v, list | tuple) else v for name, v in attributes.items()}
         try:
-            for name, array in arrays.items():
-                dataset = Small(array.dtype, array.shape[1:], unit=(units or {}).get(name, "m"))
-                dataset.append(self._file, array)
-                maps.children[name] = dataset
+            run_tables.put_maps(self._root, self._file, arrays, attributes, units or {})
             self._file.commit(self._root)
         except OSError as error:
             raise self._fail("write the maps of", error) from error
@@ -279,27 +240,12 @@ class RunWriter:
             parent = group.group(folder) if folder else group
             if last not in parent.children:
                 whole = isinstance(series[name], (int, np.integer))
-                dataset = Small(np.int64 if whole else np.float64, unit=series_unit(name, self._paper))
+                dataset = Small(np.int64 if whole else np.float64, unit=run_tables.series_unit(name, self._paper))
                 dataset.append(self._file, np.full(self.frames, 0 if whole else np.nan))
                 parent.children[last] = dataset
             dataset = parent.children[last]
             missing = np.nan if dataset.dtype.kind == "f" else 0
             dataset.append(self._file, series.get(name, missing))
-
-    @property
-    def _readings(self):
-        """Rows of the gauges so far."""
-        gauges = self._root["melt"].children.get("gauges")
-        return gauges["time"].rows if gauges else 0
-
-    def _append_readings(self, readings):
-        for name, rows in readings.items():
-            rows = np.asarray(rows)
-            group = self._root.group("melt/gauges")
-            if name not in group.children:
-                unit = FIELDS[f"sample_{name}"].unit if f"sample_{name}" in FIELDS else "s"
-                group.children[name] = Small(np.float64, rows.shape[1:], unit=unit)
-            group.children[name].append(self._file, rows)
 
     # --- failure and resumption ---
 
@@ -313,20 +259,13 @@ class RunWriter:
             pass  # what lies behind the last commit is invisible to readers
         return OutputError(self._broken)
 
-    def _readings_until(self, frames):
-        """Return the rows of the gauges that the first ``frames`` frames have."""
-        series = self._root["melt/series"].children.get("gauge_readings")
-        if series is None or not frames:
-            return 0
-        return int(np.frombuffer(self._file.read(8, series.address + 8 * (frames - 1)), np.int64)[0])
-
     def _cut(self, frames):
         """Cut back to ``frames`` frames; at every instant the file holds the old or the new state."""
         root, file, old = self._root, self._file, self.frames
         if not 0 <= frames <= old:
             raise RunFileError(f"{self.path} has {old} frames; it cannot be continued from frame {frames}.")
         if frames < old:
-            rows = vtk_layout.rows_until(root, frames, self._readings_until(frames))
+            rows = vtk_layout.rows_until(root, frames, run_tables.readings_until(root, file, frames))
             if frames:
                 for path, item in root.walk():
                     if not isinstance(item, Group):

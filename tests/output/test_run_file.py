@@ -10,8 +10,9 @@ from run_samples import particles, same, vtk_frames
 from melt.output import hdf5
 from melt.output.errors import OutputError, RunFileError
 from melt.output.hdf5_messages import lookup3
-from melt.output.run_file import RunWriter, series_unit
+from melt.output.run_file import RunWriter
 from melt.output.run_reader import open_run
+from melt.output.run_tables import series_unit
 
 SCENE = '[scene]\nname = "Eiswürfel"\n'
 COUNTS = [100, 7, 0, 3000, 2048, 1]
@@ -236,7 +237,7 @@ def test_metadata_do_not_pile_up(tmp_path):
 
 
 def test_heats_of_the_paper_law_are_no_joules():
-    from melt.output.run_file import series_unit
+    from melt.output.run_tables import series_unit
 
     assert series_unit("thermal_energy") == "J" and series_unit("thermal_energy", paper=True) == "K m^3"
     assert series_unit("kinetic_energy", paper=True) == "J"

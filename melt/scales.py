@@ -1,0 +1,47 @@
+"""Natural scales of fields, for comparing backends on a live run."""
+
+import numpy as np
+
+from melt.flood import plan as flood_plan
+
+
+def scales_of(scene, initial, settings):
+    """Return the natural scale of each kind of field, for comparing backends on a live run."""
+    if scene.kind == "flood":
+        return flood_plan.scales_of(scene, initial)
+    dx, rho, cs = scene.spacing, scene.fluid.density, settings.sound_speed
+    mass = rho * dx**3
+    T = initial["temperature"] if "temperature" in initial else np.array([0.0, 1.0])
+    k = float(initial["material_conductivity"].max(initial=0.0)) if "material_conductivity" in initial else 1.0
+    c = 1.0 if scene.heat is None or scene.heat.law == "paper" else rho * float(initial["material_specific_heat"].max())
+    latent = (
+        mass * float(initial["material_latent_heat"].max(initial=0.0)) if "material_latent_heat" in initial else 1.0
+    )
+    # 1 % of rho c_s^2 is the pressure that the sound speed was chosen for
+    pressure = 0.01 * rho * cs**2
+    return {
+        "one": 1.0,
+        "spacing": dx,
+        "speed": 0.1 * cs,
+        "force": pressure * dx**2,
+        "mass": mass,
+        "volume": dx**3,
+        "density": rho,
+        "pressure": pressure,
+        "temperature": max(1.0, float(np.ptp(T))),
+        "conductivity": k or 1.0,
+        "heat_capacity": c * dx**3,
+        "heat": c * dx**3 * max(1.0, float(np.ptp(T))),
+        "latent_energy": latent or 1.0,
+        "specific_heat": c,
+        "latent_heat": 1.0,
+        "number_density": 1 / dx**3,
+        "rate": 0.1 * cs / dx,
+        "acceleration": cs**2 / dx * 0.01,
+        "mobility": 1 / mass,
+        "multiplier": 0.1 * mass * dx**2,
+        "time": 1.0,
+        "momentum": mass * 0.1 * cs,
+        "bubble_push": mass * 0.1 * cs * dx**3,
+        "rate2": (0.1 * cs / dx) ** 2,
+    }
