@@ -14,7 +14,7 @@ from melt.physics.phases import LIQUID
 from melt.scene import load_scene
 from melt.simulation import Simulation
 
-THIN = 2e-3  # columns thinner than this share of the still depth do not count for run-up
+THIN = 2e-3  # columns thinner than this [m] do not count for run-up
 
 
 @dataclass
@@ -56,10 +56,11 @@ def _read(sim, readings, what, shift=0.0, delay=0.0):
 
 
 class Shore:
-    """How high the water comes: highest bed under a column that is thick enough, of all and by direction."""
+    """How high the water comes: highest bed under a column that is thick enough; of all, by direction, near places."""
 
-    def __init__(self, thinnest, centre=None):
-        self.thinnest, self.centre = thinnest, centre
+    def __init__(self, thinnest, centre=None, places=(), reach=0.15):
+        self.thinnest, self.centre, self.places, self.reach = thinnest, centre, np.asarray(places), reach
+        self.near = np.full(len(places), -np.inf)
         self.top, self.series, self.around = -np.inf, [], np.full(16, -np.inf)
 
     def __call__(self, sim):
@@ -68,9 +69,15 @@ class Shore:
         bed = sim.read("bed")[keep].astype(float) + terrain.datum
         self.series.append((sim.time, bed.max(initial=-np.inf)))
         self.top = max(self.top, self.series[-1][1])
+        if self.centre is None and not len(self.places):
+            return
+        x = terrain.world(sim.read("position")[keep][:, :2].T)
+        for k, place in enumerate(self.places):
+            close = np.hypot(*(x - place[:, None])) < self.reach
+            self.near[k] = max(self.near[k], bed[close].max(initial=-np.inf))
         if self.centre is None:
             return
-        x = terrain.world(sim.read("position")[keep][:, :2].T) - np.array(self.centre)[:, None]
+        x = x - np.array(self.centre)[:, None]
         near = np.hypot(*x) < 3.6
         sector = np.round(np.degrees(np.arctan2(x[1], x[0]))[near] / 22.5).astype(int) % 16
         np.maximum.at(self.around, sector, bed[near])
@@ -79,7 +86,7 @@ class Shore:
 def sill(quick=False):
     """Dam break over a triangular sill: depths at four gauges."""
     case = data.triangular_sill() or data.shipped_sill()
-    sim, facts, readings = ran("triangular_sill", ["time.end=10"] if quick else [], "small" if quick else None)
+    sim, facts, readings = ran("triangular_sill", ["fluid.spacing=0.15", "time.end=6"] if quick else [])
     return Case(facts, _read(sim, readings, "depth"), case.gauges)
 
 
@@ -106,19 +113,11 @@ def monai(quick=False):
     case = data.monai()
     if case is None:
         return None
-    sim, facts, readings = ran("monai", ["fluid.spacing=0.08", "time.end=2"] if quick else MONAI)
+    shore = Shore(0.5 * THIN, places=case.runup_place)
+    sim, facts, readings = ran("monai", ["fluid.spacing=0.08", "time.end=2"] if quick else [], watch=shore)
     gauges = {f"g{n}": series for n, series in _read(sim, readings, "surface").items()}
-    top = sim.state.read("most_depth")[: sim.initial.map_nodes].reshape(sim.initial.terrain.shape)
-    high = []
-    for x, y in case.runup_place:
-        i, j = np.searchsorted(case.x, x), np.searchsorted(case.y, y)
-        box = np.s_[max(0, j - 10) : j + 11, max(0, i - 10) : i + 11]  # +-14 cm
-        high.append(case.bed[box][top[box] > 1e-3].max(initial=-np.inf))
-    curves = {"runup": np.array(high), "runup_measured": case.runup}
+    curves = {"runup": shore.near, "runup_measured": case.runup}
     return Case(facts, gauges, {n: case.gauges.of(n) for n in gauges}, curves)
-
-
-MONAI = ["fluid.spacing=0.028"]
 
 
 def island(name, quick=False):
@@ -127,7 +126,7 @@ def island(name, quick=False):
     if case is None:
         return None
     shore = Shore(THIN, case.centre)
-    settings = ["fluid.spacing=0.3", "time.end=4"] if quick else ISLAND[name]
+    settings = ["fluid.spacing=0.3", "time.end=4"] if quick else []
     sim, facts, readings = ran("conical_island", [*settings, "output.maps=false"], None if name == "B" else name, shore)
     t_measured, y_measured = case.gauges.of("g2")
     t, y = _read(sim, readings, "surface", case.depth)["g2"]
@@ -139,15 +138,12 @@ def island(name, quick=False):
     return Case(facts, gauges, {n: case.gauges.of(n) for n in gauges}, {"runup": around, "runup_measured": case.runup})
 
 
-ISLAND = {"A": [], "B": [], "C": []}
-
-
 def merewether(quick=False):
     """Merewether: stages at five marks, the mean of the last 60 s."""
     case = data.merewether()
     if case is None:
         return None
-    settings = ["fluid.spacing=4", "time.end=40"] if quick else MEREWETHER
+    settings = ["fluid.spacing=4", "time.end=40"] if quick else []
     sim, facts, readings = ran("merewether", [*settings, "output.maps=false"])
     gauges = _read(sim, readings, "surface")
     last = readings["time"] > readings["time"][-1] - (10.0 if quick else 60.0)
@@ -165,6 +161,3 @@ def merewether(quick=False):
         "tuflow": np.array([case.tuflow[int(n)][0] for n in gauges]),
     }
     return Case(facts, gauges, {}, curves)
-
-
-MEREWETHER = ["fluid.spacing=1.2", "time.end=700"]

@@ -1,5 +1,7 @@
 """Small versions of the measured floods (`experiments.flood_measured`), and their rows."""
 
+from types import SimpleNamespace
+
 import h5py
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from experiments import _flood_data as data
 from experiments import _flood_measured as cases
 from experiments import _flood_norms as norms
 from experiments import flood_measured, flood_table2
+from melt.physics.phases import INACTIVE, LIQUID
 
 
 def test_a_dam_break_comes_over_the_sill_as_measured():
@@ -41,17 +44,26 @@ def test_still_water_beside_a_driven_edge_stays_still_on_a_rising_bed():
 
 
 def test_shore_takes_the_highest_thick_column():
-    shore = cases.Shore(1e-3)
-    sim, _, _ = cases.ran("lake_at_rest", ["time.end=0.1"], watch=shore)
-    assert len(shore.series) == round(0.1 / sim.scene.time.dt) and shore.top == shore.series[0][1]
-    bed = sim.read("bed") + sim.initial.terrain.datum
-    assert shore.top == pytest.approx(bed[sim.read("depth") > 1e-3].max(), abs=0.02)
+    """Four columns around an island: one too thin, one that is no water any more, one in front, one far away."""
+    x = np.array([[1.0, 0, 0], [-1, 0, 0], [-1.1, 0, 0], [9, 0, 0]])
+    values = {
+        "phase": np.array([LIQUID, LIQUID, INACTIVE, LIQUID]), "depth": np.array([1e-4, 0.1, 0.1, 0.1]), "position": x,
+        "bed": np.array([0.5, 0.3, 0.9, 0.4]),
+    }  # fmt: skip
+    terrain = SimpleNamespace(world=lambda x: x + 10, datum=-0.2)
+    sim = SimpleNamespace(read=values.__getitem__, time=1.0, initial=SimpleNamespace(terrain=terrain))
+    shore = cases.Shore(1e-3, centre=(10, 10), places=[(9.0, 10.0), (0, 0)])
+    shore(sim)
+    assert shore.series == [(1.0, pytest.approx(0.2))] and shore.top == pytest.approx(0.2)  # the one far away
+    assert shore.around[8] == pytest.approx(0.1) and np.isinf(np.delete(shore.around, 8)).all()
+    assert shore.near[0] == pytest.approx(0.1) and np.isinf(shore.near[1])
 
 
 @pytest.fixture(scope="module")
 def quick(tmp_path_factory):
     path = tmp_path_factory.mktemp("measured") / "flood-measured.h5"
-    flood_measured.run(path, quick=True, say=lambda text: None)
+    only = ["sill", "beach", "monai", "island_B", "merewether"]
+    flood_measured.run(path, quick=True, say=lambda text: None, only=only)
     return path
 
 
