@@ -55,10 +55,12 @@ def _dams(file):
             rows.append(_judge(f"{title}: volume lost", "0", a["volume_error"], 1e-12, "{:.1e}"))
         found = [file[f"dam/{name}/{size}"].attrs for size in sizes]
         if len(sizes) > 1 and not any("failed" in a for a in found):
+            bars = [[file[f"volumes/{name}/{order} {size}"].attrs["L1"] for size in sizes] for order in (1, 2)]
+            bar = ", ".join(f"{observed_order(errors, [float(s) for s in sizes]):.2f}" for errors in bars)
             for label, key in (("columns", "L1"), ("grid", "grid_L1")):
                 order = observed_order([a[key] for a in found], [float(s) for s in sizes])
                 rows.append(Row(f"{name}: observed order of L1, {label}", ">= 0.7", f"{order:.2f}", f">= {ORDER}", order >= ORDER,
-                                f"r0 = {', '.join(sizes)} m"))
+                                f"r0 = {', '.join(sizes)} m; finite volumes of order 1, 2: {bar}"))
     return rows
 
 
