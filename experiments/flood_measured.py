@@ -1,10 +1,10 @@
 """Floods against measurements: flumes, wave basins, a town.
 
 Gauges and run-up of laboratory cases (CADAM sill, NTHMP benchmarks 4, 6 and 7) and surveyed marks of the Merewether
-flood, simulated with the shipped scenes. "Finite volumes" are a first-order solver on the case's own grid, the bar to be
-under. Cases whose data are not there are left out (MELT_DATA). Run-up is the highest bed under a column: it is short by up
-to half a spacing times the slope. These are long waves, without dispersion: a solitary wave steepens early, and the short
-waves on top of a measured crest are not there.
+flood, simulated with the shipped scenes. "Finite volumes" are a first-order solver on the case's own grid, the bar to
+be under. Cases whose data are not there are left out (MELT_DATA). Run-up is the highest bed under a column: it is
+short by up to half a spacing times the slope. These are long waves, without dispersion: a solitary wave steepens
+early, and the short waves on top of a measured crest are not there.
 """
 
 import h5py
@@ -34,9 +34,8 @@ def run(out, quick=False, say=print, only=None):
                 say(f"{name}: its data are not there (set MELT_DATA)")
                 continue
             _write(file.create_group(name), case)
-            say(
-                f"{name}: {case.facts['columns']:,} columns, {case.facts['steps']:,} sub-steps, {case.facts['seconds']:.0f} s"
-            )
+            made = case.facts
+            say(f"{name}: {made['columns']:,} columns, {made['steps']:,} sub-steps, {made['seconds']:.0f} s")
 
 
 def _write(group, case):

@@ -1,11 +1,11 @@
 """Flood, Table 2: largest depths at gauges against measurements.
 
-The paper compares four depths of a flood map of Iowa City with its own: 1.29/1.43, 1.51/1.65, 1.97/1.92 and 1.50/1.40 m,
-relative errors 9.79, 8.48, 2.60 and 7.14 %. Neither its terrain nor the places are published, and its 60 000 m^3 of water
-are 68 s of the river: the table cannot be repeated. The same table is made of gauges that were measured: largest depths in
-the flume of the triangular sill, largest elevations above still water in the basins of Monai and of the conical island,
-depths at surveyed marks of Merewether (stage less terrain, where the mark is above it). Bounds are those of first-order
-finite volumes, where known; the paper's figures stand beside.
+The paper compares four depths of a flood map of Iowa City with its own: 1.29/1.43, 1.51/1.65, 1.97/1.92 and 1.50/1.40
+m, relative errors 9.79, 8.48, 2.60 and 7.14 %. Neither its terrain nor the places are published, and its 60 000 m^3
+of water are 68 s of the river: the table cannot be repeated. The same table is made of gauges that were measured:
+largest depths in the flume of the triangular sill, largest elevations above still water in the basins of Monai and of
+the conical island, depths at surveyed marks of Merewether (stage less terrain, where the mark is above it). Bounds
+are those of first-order finite volumes, where known; the paper's figures stand beside.
 """
 
 import pathlib
