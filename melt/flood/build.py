@@ -43,8 +43,8 @@ def build_flood(scene):
     arrays["terrain"] = terrain.elevation.ravel()
     distance = walls.wall_distance(terrain, outlines)
     arrays["terrain_wall"] = distance.ravel()
-    mapped = scene.friction is not None and (scene.friction.zone or scene.friction.raster)
-    arrays["terrain_friction"] = manning_grid(scene.friction, terrain).ravel() if mapped else np.zeros(0)
+    if scene.friction is not None and (scene.friction.zone or scene.friction.raster):
+        arrays["terrain_friction"] = manning_grid(scene.friction, terrain).ravel().astype(float)
     boundary = walls.as_boundary(arrays)
     x, volume, depth, velocity = pools.columns(scene, terrain, outlines, distance, boundary, notes)
     sources = Sources(scene, terrain)

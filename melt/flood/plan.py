@@ -141,7 +141,7 @@ def params_of(scene, initial, real):
         "basin": basin_of(scene, initial, real),
         "friction": P.make(
             P.Friction, real, law=LAWS[friction.law] if friction else 0, value=friction.coefficient if friction else 0.0,
-            mapped=int(initial["terrain_friction"].size > 0), thinnest=1e-3, control=int(scene.control is not None),
+            mapped=int("terrain_friction" in initial), thinnest=1e-3, control=int(scene.control is not None),
         ),
         "sampling": P.make(P.Sampling, real, cover=0.5, wet=scene.output.wet_depth),
     }
@@ -201,7 +201,7 @@ def absent_of(need, initial):
         absent |= {"wall_count", "wall_index", "boundary_position", "boundary_area", "boundary_start", "boundary_ring"}
     if not need.control:
         absent |= {"position_before", "brake"}
-    if not initial["terrain_friction"].size:
+    if "terrain_friction" not in initial:
         absent |= {"terrain_friction"}
     if not need.guard:
         absent |= {"terrain_wall"}
