@@ -58,9 +58,9 @@ def test_balanced_form_rests_exactly(bed):
 
 
 def test_a_lake_comes_to_rest():
-    found = still.lake("kinked bump", 0.2, 100.0)
+    found = still.lake("kinked bump", 0.2, 200.0)
     assert found["surface_rms"] <= 0.005
-    assert found["speed"] <= 0.005  # the specification's 1e-4 m/s is missed: see the experiment
+    assert found["speed"] <= 2e-4  # after 2 s; twice the specification's, at twice the spacing
 
 
 def test_steady_flow_over_a_bump_between_driven_edges():
