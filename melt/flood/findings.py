@@ -19,6 +19,7 @@ def findings(scene, initial, prepared):
     found += _terrain(scene, initial)
     found += _resolution(scene, initial, prepared)
     found += _courant(scene, prepared)
+    found += _inflows(scene, initial)
     return found
 
 
@@ -81,6 +82,25 @@ def _courant(scene, prepared):
     if number <= 0.7:
         return [("note", text, "")]
     return [("warning", f"{text}, above 0.7: they are cut", f"time.n_sub = {math.ceil(s.n_sub * number / 0.7)}, or 'auto'")]
+
+
+def _inflows(scene, initial):
+    """Places on which an outer step puts more water at once than can flow off: three times the critical depth."""
+    found = []
+    for inflow in scene.inflow:
+        if inflow.radius is not None:
+            area, rim = math.pi * inflow.radius**2, 2 * math.pi * inflow.radius
+        else:
+            x, y = np.array(inflow.polygon or inflow.line).T
+            rim = float(np.hypot(np.diff(x, append=x[0]), np.diff(y, append=y[0])).sum())
+            area = float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2 if inflow.polygon else rim * scene.spacing
+        most = float(initial.sources.emitters[f"inflow {inflow.name}"].discharge.values.max())
+        critical = ((most / rim) ** 2 / scene.gravity) ** (1 / 3)
+        at_once = most * scene.time.dt / area
+        if at_once > 3 * critical:
+            text = f"inflow {inflow.name!r}: an outer step puts {at_once:.3g} m of water onto its place at once; {critical:.3g} m can flow off"
+            found.append(("warning", text, f"time.dt = {area * critical / most:.2g}, or a larger place"))
+    return found
 
 
 def limits(prepared, speed=0.0):

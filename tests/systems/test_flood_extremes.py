@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from flood_scenes import ALL_OPEN, DEPTH, PLAIN, R0, flood, from_file, raster, sound, stepped, water, watched
+from flood_scenes import ALL_OPEN, DEPTH, PLAIN, R0, flood, from_file, raster, sound, stepped, watched, water
 
 from melt.errors import GeometryError
 from melt.simulation import Simulation

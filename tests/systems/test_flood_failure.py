@@ -120,6 +120,17 @@ def test_an_inflow_without_room_waits_and_is_told():
     assert sound(sim)["entered_volume"] > s["entered_volume"]
 
 
+def test_an_inflow_faster_than_it_spreads_is_a_warning_before_the_run():
+    def told(radius, dt):
+        scene = flood(inflow=[{"name": "pipe", "discharge": 40.0, "centre": [4.0, 2.0], "radius": radius}], time={"dt": dt})
+        return [f.advice for f in plan(scene).findings if f.level == "warning" and "pipe" in f.text]
+
+    assert not told(1.5, 0.05)
+    (text,) = told(0.5, 1.0)
+    assert "puts 50.9 m of water onto its place at once" in text and "time.dt = " in text
+    assert not told(0.5, float(text.split("time.dt = ")[1].split(",")[0]))
+
+
 def test_an_inflow_keeps_its_discharge_and_gives_every_column_an_id_of_its_own():
     sim = stepped(flood(inflow=[{"discharge": 1.3, "centre": [5.0, 2.0], "radius": 1.0}]), 20)
     s, here = sound(sim), sim.read("phase") == 0
