@@ -98,7 +98,7 @@ def _inflows(scene, initial):
         critical = ((most / rim) ** 2 / scene.gravity) ** (1 / 3)
         at_once = most * scene.time.dt / area
         if at_once > 3 * critical:
-            text = f"inflow {inflow.name!r}: an outer step puts {at_once:.3g} m of water onto its place at once; {critical:.3g} m can flow off"
+            text = f"inflow {inflow.name!r}: an outer step puts {at_once:.3g} m of water there at once; {critical:.3g} m can flow off"
             found.append(("warning", text, f"time.dt = {area * critical / most:.2g}, or a larger place"))
     return found
 

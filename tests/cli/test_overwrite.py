@@ -119,7 +119,7 @@ def test_a_run_that_fails_to_start_leaves_the_older_run(older, tmp_path, scene, 
 
 
 def test_a_stop_after_the_first_frame_does_not_say_that_nothing_was_written(older, scene, monkeypatch):
-    monkeypatch.setattr(simulation, "_loop", _fails(KeyboardInterrupt()))
+    monkeypatch.setattr(simulation, "loop", _fails(KeyboardInterrupt()))
     result = melt("run", scene, "-o", older, "-f", "-b", "cpu")
     assert result.exit_code == INTERRUPTED and "files hold all completed frames" in result.stderr
     assert len(open_run(older)) == 1 and not beside(older).exists()

@@ -50,7 +50,9 @@ def test_a_column_faster_than_top_speed_stops_the_run_and_says_what_to_do():
 # ---- values
 
 
-@pytest.mark.parametrize(("field", "stage"), [("velocity", "flood_kick"), ("position", "flood_drift"), ("rest_volume", "none: it was so from outside")])
+@pytest.mark.parametrize(
+    ("field", "stage"), [("velocity", "flood_kick"), ("position", "flood_drift"), ("rest_volume", "none: it was so from outside")]
+)
 def test_a_nan_is_named_with_its_column(field, stage):
     sim = stepped(flood(), 2)
     values = sim.state.read(field)
@@ -127,7 +129,7 @@ def test_an_inflow_faster_than_it_spreads_is_a_warning_before_the_run():
 
     assert not told(1.5, 0.05)
     (text,) = told(0.5, 1.0)
-    assert "puts 50.9 m of water onto its place at once" in text and "time.dt = " in text
+    assert "puts 50.9 m of water there at once" in text and "time.dt = " in text
     assert not told(0.5, float(text.split("time.dt = ")[1].split(",")[0]))
 
 

@@ -107,7 +107,8 @@ def run_turned(quarters, order=None, shift=(0.0, 0.0), walls=False):
     centre = np.array(_turned(np.array([0.5, 0.0]), quarters)) + shift
     low = np.array([-4.0, -4.0]) + shift
     bed = {**BUMP, "lower": low.tolist(), "upper": (low + 8).tolist(), "parameters": {**BUMP["parameters"], "centre": centre.tolist()}}
-    scene = flood(terrain=bed, fluid={"fill": [{"lower": low.tolist(), "upper": (low + 8).tolist(), "stage": 0.5}]}, boundary={"columns": walls})
+    pool = {"lower": low.tolist(), "upper": (low + 8).tolist(), "stage": 0.5}
+    scene = flood(terrain=bed, fluid={"fill": [pool]}, boundary={"columns": walls})
     plain = build(flood(terrain=BUMP, fluid={"fill": [{"stage": 0.5}]}))
     initial = build(scene)
     n = plain["id"].size
@@ -119,7 +120,8 @@ def run_turned(quarters, order=None, shift=(0.0, 0.0), walls=False):
     push = np.zeros((3, n))
     push[0], push[1] = 0.8 * np.sin(plain["position"][1]), 0.3
     initial.arrays["velocity"] = _turned(push, quarters)
-    for name in ("position", "position_before", "velocity", "rest_volume", "mass", "depth", "support_radius", "bed", "id", "phase", "brake"):
+    vectors, scalars = ("position", "position_before", "velocity"), ("rest_volume", "mass", "depth", "support_radius", "bed", "id", "phase")
+    for name in (*vectors, *scalars, "brake"):
         if order is not None:
             initial.arrays[name] = initial.arrays[name][..., order]
     sim = Simulation(scene, "cpu", initial=initial)
@@ -158,7 +160,8 @@ def test_a_run_in_another_process_is_the_same(tmp_path):
     """Hash seeds, addresses and clocks differ between processes."""
     code = (
         "import sys, hashlib; sys.path[:0] = sys.argv[1:]; from test_flood_run import EVERYTHING; from flood_scenes import flood, stepped; "
-        "sim = stepped(flood(**EVERYTHING), 5); print(hashlib.sha256(b''.join(sim.read(n).tobytes() for n in ('id', 'position', 'depth'))).hexdigest())"
+        "sim = stepped(flood(**EVERYTHING), 5); bits = b''.join(sim.read(n).tobytes() for n in ('id', 'position', 'depth')); "
+        "print(hashlib.sha256(bits).hexdigest())"
     )
     Simulation(flood(**EVERYTHING), "cpu")
     here = os.path.dirname(__file__)
