@@ -15,7 +15,13 @@ from melt.simulation import Simulation
 G, EVEN, R0 = 9.81, 22, 0.25
 OWN_POINT = {"slope_on": 0.3, "slope_full": 0.6, "clamp": False, "spread": 1e-6}
 #: Of the cliff table: what the control force is, None for none.
-VARIANTS = {"off": None, "own point": OWN_POINT, "4 points, l = h (paper)": {"clamp": False}, "4 points, l <= 2 r0": {}}
+VARIANTS = {
+    "off": None,
+    "own point": OWN_POINT,
+    "4 points, l = h (paper)": {"clamp": False, "spread": 1.0},
+    "4 points, l <= 2 r0": {"spread": 1.0},
+    "4 points, l = h/4 (melt's default)": {},
+}
 ALWAYS = {"slope_on": 0.0, "slope_full": 0.0}
 
 

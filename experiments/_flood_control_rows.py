@@ -116,20 +116,21 @@ def _single(file):
 
 def _cliff(file):
     rows, free = [], file["cliff/off"].attrs["discharge"]
-    for name, (speed, energy, plateau) in PROTOTYPE.items():
+    for name in [*PROTOTYPE, *(set(file["cliff"]) - set(PROTOTYPE))]:
+        speed, energy, plateau = (f"{v:g}" for v in PROTOTYPE[name]) if name in PROTOTYPE else ("-", "-", "-")
         a = file["cliff"][name].attrs
         note = f"{a['columns']} columns; volume error {a['left']:.1e}"
         rows += [
             _row(
                 f"cliff, {name}: greatest speed",
-                f"{speed:g} m/s",
+                f"{speed} m/s",
                 f"{a['speed']:.2f}",
                 "",
                 None,
                 f"bead from the surface: {FALL:.1f}; {note}",
             ),
-            _row(f"cliff, {name}: greatest E/E0", f"{energy:g}", f"{a['energy']:.2f}"),
-            _row(f"cliff, {name}: water left on the plateau", f"{plateau:g} of 20 m^2", f"{a['plateau']:.2f}"),
+            _row(f"cliff, {name}: greatest E/E0", energy, f"{a['energy']:.2f}"),
+            _row(f"cliff, {name}: water left on the plateau", f"{plateau} of 20 m^2", f"{a['plateau']:.2f}"),
         ]
         ritter = abs(a["discharge"] / RITTER - 1)
         if name == "off":

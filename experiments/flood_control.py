@@ -62,7 +62,7 @@ def _cliff(keep, quick):
         keep(f"cliff/{name}", **control.over_cliff(given, **size))
     if quick:
         return
-    for spread in (0.5, 0.25, 0.1):
+    for spread in (0.5, 0.1):
         keep(f"spread/{spread:g}", **control.over_cliff({"spread": spread}))
     for r0 in (0.5, 0.25, 0.125):
         for name in ("off", "own point", "4 points, l <= 2 r0"):
@@ -70,7 +70,7 @@ def _cliff(keep, quick):
 
 
 def _figures(keep, quick):
-    for name, overrides in (("off", ["control=none"]), ("on", []), ("near", ["control.spread=0.25"])):
+    for name, overrides in (("off", ["control=none"]), ("on", ["control.spread=1"]), ("near", [])):
         keep(f"rough/{name}", **control.rough(overrides, quick))
     keep("obstacles/small", **control.inside_obstacles(quick))
     if not quick:

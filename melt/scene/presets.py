@@ -50,7 +50,7 @@ FLOOD_PRESETS = {
         "terrain": {"sampler": "bilinear"},
         "fluid": {"calibrate": False},
         "boundary": {"law": "paper"},
-        "control": {"mode": "paper", "slope_on": 0.0, "slope_full": 0.0, "clamp": False},
+        "control": {"mode": "paper", "slope_on": 0.0, "slope_full": 0.0, "clamp": False, "spread": 1.0},
         "solver": {
             "form": "linear", "iterations": 0, "alpha": 0.0, "viscosity": 1e-4, "first_kick": "full", "precision": "single",
         },
