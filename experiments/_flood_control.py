@@ -20,7 +20,7 @@ VARIANTS = {
     "own point": OWN_POINT,
     "4 points, l = h (paper)": {"clamp": False, "spread": 1.0},
     "4 points, l <= 2 r0": {"spread": 1.0},
-    "4 points, l = h/4 (melt's default)": {},
+    "4 points, l = 0.25 h (default)": {},
 }
 ALWAYS = {"slope_on": 0.0, "slope_full": 0.0}
 
