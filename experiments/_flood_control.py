@@ -187,6 +187,7 @@ def cliff_scene(control, run=5.0, cell=0.25, r0=R0, end=12.0):
                 "fill": [{"lower": [0, 0], "upper": [20, 2 * width_of(b, cell)], "depth": 1.0}],
             },
             "output": {"maps": False},
+            "solver": {"kernel": "cubic"},  # of the specification's prototype, beside which the table stands
         }
         | ({} if control is None else {"control": control})
     )

@@ -244,7 +244,9 @@ def scene(n, seed):
         boundary_ring=_rings_to(np.unique(cells)), terrain=z.ravel(), terrain_wall=wall.ravel(), terrain_friction=friction.ravel(),
     )
     arrays.update(_water(arrays, r, rng))
-    height = arrays["bed"] + arrays["depth"] + np.where(phase == AIRBORNE, rng.uniform(-0.5, 1.0, n), 0.0)
+    # just above the water and just in it, so that another column's bed decides otherwise
+    above = np.where(rng.uniform(-0.5, 1.0, n) < 0.25, -1 / 64, 1 / 64)
+    height = arrays["bed"] + arrays["depth"] + np.where(phase == AIRBORNE, above, 0.0)
     arrays["position"] = np.vstack([x, y, height])
     for part in (_motion(arrays, rng), _openings(rng), _samples(arrays, z, rng)):
         arrays.update(part)

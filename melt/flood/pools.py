@@ -31,7 +31,7 @@ def columns(scene, terrain, outlines, distance, boundary, notes):
     if not found:
         return np.zeros((2, 0)), np.zeros(0), np.zeros(0), np.zeros((2, 0))
     x, volume, depth, velocity = (np.concatenate(parts, axis=-1) for parts in zip(*found))
-    if scene.fluid.calibrate and scene.solver.kernel == "cubic":
+    if scene.fluid.calibrate:
         bed = bed_at(terrain, *x, scene.terrain.sampler)
         wall = None if not boundary.area.size else (*boundary, bed_at(terrain, *boundary.x, scene.terrain.sampler))
         volume, depth = _calibrated(scene, x, volume, depth, wall, bed, notes)

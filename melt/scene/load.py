@@ -9,9 +9,9 @@ import tomllib
 from pydantic import ValidationError
 
 from melt.errors import SceneError
+from melt.scene.flood import FloodScene
 from melt.scene.messages import explain
 from melt.scene.model import Scene
-from melt.scene.flood import FloodScene
 from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, OPTIONAL_SECTIONS, PRESETS
 
 

@@ -176,7 +176,7 @@ def settle(do):
     """Relaxation start: let the water come to rest before t = 0 (E6, judgement b).
 
     It falls freely until its kinetic energy peaks, and is stopped there. A drag of fixed time constant instead left
-    20 times the force after 3000 sub-steps: too weak for stiff modes, too strong for the soft ones of disordered columns.
+    4 times the force on columns that were drawn: too weak for stiff modes, too strong for soft ones.
     """
     clock, s = do.clock, do.settings
     spent, pull = 0.0, math.inf

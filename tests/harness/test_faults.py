@@ -8,9 +8,8 @@ from melt.check.faults import FAULTS, swappable
 from melt.check.inputs import make
 from melt.stages import STAGES
 
-
 #: Stages whose first two equal inputs may change places: b + d, and arrays of cells that no reference looks at.
-SYMMETRIC = {"flood_surface", "flood_neighbours", "wall_neighbours"}
+SYMMETRIC = {"flood_surface", "flood_land", "flood_neighbours", "wall_neighbours"}
 
 
 def applies(fault, stage, arrays):

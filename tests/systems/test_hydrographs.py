@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from melt.errors import GeometryError, InputError, UnitError
-from melt.geometry.regions import Box, Disc, Line, Polygon
 from melt.flood.hydrographs import Emitter, Hydrograph, Rain, emptiest
+from melt.geometry.regions import Box, Disc, Line, Polygon
 
 STEEP = Hydrograph([0, 10, 10, 25, 100], [2, 4, 10, 10, 0], after="zero")
 
