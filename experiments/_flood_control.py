@@ -249,7 +249,7 @@ def metrics(sim, start):
     return {
         "deepest": d.max(),
         "deep": np.percentile(d, 99.9),
-        "crowded": (count > 2 * EVEN * 1.21).mean(),
+        "crowded": (count > 2 * EVEN * sim.scene.solver.growth**2).mean(),
         "closest": near.min() / sim.scene.spacing,
         "alone": (count < 3).mean(),
         "dispersion": np.sqrt((spread**2).mean()),

@@ -25,7 +25,7 @@ from melt.state import State
 from melt.stepping import append_frame, loop
 
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
-BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid", "compression", "wave", "terrain")
+BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid", "compression", "wave", "terrain", "fall")
 
 
 class Simulation:

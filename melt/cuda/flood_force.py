@@ -87,7 +87,7 @@ def _wall_force(
         yy -= F * y * y
     a_x, a_y = acceleration[0, i] + real(ax), acceleration[1, i] + real(ay)
     if flood.wall_mirror == 1:
-        a_x, a_y = along_wall(a_x, a_y, real(g_x), real(g_y), real(xx), real(xy), real(yy))
+        a_x, a_y = along_wall(a_x, a_y, real(g_x), real(g_y), real(xx), real(xy), real(yy), support_radius[i])
     acceleration[0, i], acceleration[1, i] = a_x, a_y
 
 

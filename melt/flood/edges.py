@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from melt.errors import InputError
 from melt.flood.hydrographs import Hydrograph
 from melt.flood.open_boundary import boundary_state, inside_of
 from melt.flood.tables import series_of
@@ -130,8 +131,12 @@ def _edge(k, edge, scene, terrain):
     z = terrain.elevation
     bed = {"west": z[:, 0], "east": z[:, -1], "south": z[0], "north": z[-1]}[edge.side]
     kind = next(name for name in ("stage", "depth", "discharge") if getattr(edge, name) is not None)
+    given = series_of(getattr(edge, kind), f"edge {edge.side}")
+    if kind != "stage" and (given.values < 0).any():
+        remedy = "give 0 or more; water leaves over an edge by its stage or depth"
+        raise InputError(f"{given.name}: a {kind} of {given.values.min():g}: {remedy}")
     return Edge(
-        f"edge {edge.side}", k, kind, series_of(getattr(edge, kind), f"edge {edge.side}"), edge.until or math.inf, axis, inward,
+        f"edge {edge.side}", k, kind, given, edge.until or math.inf, axis, inward,
         float(low[axis] if inward > 0 else high[axis]), float(low[1 - axis]), float(high[1 - axis]), float(bed.mean()), terrain.datum,
         scene.column_volume, edge.far,
     )

@@ -71,11 +71,11 @@ def series(do, start):
     brought = ledger["volume_start"] + values["entered_volume"]
     values["volume_error"] = (volume + left - brought) / max(brought, 1e-300)
     values["lost_particles"] = round(values["left_blocked"] / do.settings.column_volume)
-    values.update(_lists(state))
+    values.update(_lists(do, state))
     return values
 
 
-def _lists(state):
+def _lists(do, state):
     """Counts from the neighbour lists of the columns."""
     water = state.read("phase") == LIQUID
     if not water.any():
@@ -87,5 +87,5 @@ def _lists(state):
         "isolated_columns": int((flags[water] & 8 > 0).sum()),
         "unsolved_columns": int((flags[water] & 4 > 0).sum()),
         "clamped_columns": int((flags[water] & 3 > 0).sum()),
-        "crowded_columns": int((count[water] > 2 * EVEN * 1.21).sum()),
+        "crowded_columns": int((count[water] > 2 * EVEN * float(do.params["flood"].growth) ** 2).sum()),
     }

@@ -22,13 +22,15 @@ def limit(do):
     finite(wave + push + move + clock.max_speed)  # before the motion carries it on: fewest columns have it
     clamped = float(rows[5].sum())
     do.note("clamped_columns", clamped)
-    if clamped > CLAMPED * max(clock.active, 1):
+    if clamped > CLAMPED * max(clock.active, 1) and not do.warning:
         do.warning = (
             f"support radii: those of {clamped / max(clock.active, 1):.0%} of the columns are at a limit "
             f"(solver.support_limits = {[round(float(f), 4) for f in s.support_limits]} of {s.support:.4g} m): the depth there is "
             "not resolved. Fix: a smaller fluid.spacing or fluid.reference_depth, or wider limits"
         )
     bounds = limits_of(s.cfl, wave, push, move)
+    if s.fall > 0 and clock.time < 2 * s.fall:  # columns that fall bound nothing else, and must not fall through the water
+        bounds["fall"] = s.fall / 40
     name = min(bounds, key=bounds.get)
     return bounds[name], name
 

@@ -45,7 +45,8 @@ def begin(sim, writer):
 def facts_of(terrain):
     """Return what a reader needs to place maps: local frame, georeference."""
     return {
-        "lower": list(terrain.lower), "cell": list(terrain.cell), "origin": list(terrain.origin), "datum": terrain.datum,
+        "lower": list(terrain.lower), "cell": list(terrain.cell), "origin": list(terrain.origin),
+        "datum": terrain.datum, "unit": terrain.unit,
         "transform": list(terrain.transform), "crs": terrain.crs or "", "rows": "south to north",
     }
 

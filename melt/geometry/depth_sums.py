@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from melt.errors import InputError
+from melt.flood.lattice import normalisation
 
 #: Columns never divide by less: the share of a support that walls may take is 1 - this.
 LEAST_OPEN = 0.3
@@ -41,14 +42,7 @@ def lattice_bias(ratio, lattice="square"):
     """
     if lattice not in ("square", "hexagonal"):
         raise InputError(f"lattice = {lattice!r}: square or hexagonal")
-    reach = int(np.ceil(2 * ratio)) + 1
-    i, j = np.meshgrid(np.arange(-reach, reach + 1), np.arange(-reach, reach + 1))
-    if lattice == "hexagonal":
-        edge = np.sqrt(2 / np.sqrt(3))
-        r = edge * np.hypot(i + 0.5 * j, np.sqrt(0.75) * j)
-    else:
-        r = np.hypot(i, j)
-    return float(weight(r, ratio).sum() - 1)
+    return 1 / normalisation("cubic", ratio, lattice) - 1
 
 
 class Near(NamedTuple):

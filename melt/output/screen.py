@@ -165,6 +165,7 @@ class ScreenRenderer:
         good = radius[np.isfinite(radius) & (radius > 0)] if n else radius
         most, mean = (float(good.max()), float(good.mean())) if len(good) else (1.0, 1.0)
         middle, far = _depths(self.camera, position, most)
+        most = max(most, 0.75 * far / self.camera.focal)  # spheres are drawn three quarters of a pixel wide at least
         view = self._view(far)
         filter = P.make(P.Filter, self.real, size=0.85 * mean, smallest=1.0, largest=16.0, range=2 * mean, narrow=3 * mean, clamp=mean)
         # int32 cannot overflow, whatever the particles: every one adds a chord of at most 2 r, or a weight of at most 1

@@ -157,12 +157,13 @@ def wall_stage(above, flood):
 
 
 @scalar
-def along_wall(a_x, a_y, g_x, g_y, xx, xy, yy):
+def along_wall(a_x, a_y, g_x, g_y, xx, xy, yy, h):
     """Return the acceleration of a column with the part along the wall in full.
 
     Walls carry the stage of the column itself: with the share M_tt = t . M t that they take of its support, a surface that
     slopes along them pushes by 1 - M_tt of what it should (half at the wall; M = -sum A_b (W'/r) x_ib x_ib, a straight wall
     has M_tt = sum A_b W). g_x, g_y is sum A_b grad W, which points across the wall. A straight wall takes half at most.
+    Midway between two walls G cancels, and its direction is noise: what is added fades with (l |G|)^2 below 0.01.
     """
     real = type(a_x)
     g2 = g_x * g_x + g_y * g_y
@@ -170,7 +171,9 @@ def along_wall(a_x, a_y, g_x, g_y, xx, xy, yy):
         return a_x, a_y
     taken = (xx * g_y * g_y - real(2) * xy * g_x * g_y + yy * g_x * g_x) / g2
     open_share = max(real(1) - taken, real(0.5))
-    more = (real(1) / open_share - real(1)) * (a_y * g_x - a_x * g_y) / g2
+    sided = real(0.25) * h * h * g2
+    fade = sided / (sided + real(0.01))
+    more = fade * (real(1) / open_share - real(1)) * (a_y * g_x - a_x * g_y) / g2
     return a_x - more * g_y, a_y + more * g_x
 
 

@@ -52,7 +52,8 @@ FLOOD_PRESETS = {
         "boundary": {"law": "paper"},
         "control": {"mode": "paper", "slope_on": 0.0, "slope_full": 0.0, "clamp": False, "spread": 1.0},
         "solver": {
-            "form": "linear", "kernel": "cubic", "iterations": 0, "alpha": 0.0, "viscosity": 1e-4, "first_kick": "full", "precision": "single",
+            "form": "linear", "kernel": "cubic", "iterations": 0, "alpha": 0.0, "viscosity": 1e-4, "first_kick": "full",
+            "precision": "single",
         },
     },
     # what the shallow water equations say, as closely as this method can

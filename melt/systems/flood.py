@@ -51,22 +51,21 @@ def outer_step(do, dt):
     do.note("n_sub", n)
     if do.need.infiltration:
         seep(do, dt)
-    if do.clock.step % do.settings.sample_every == 0:
-        locate(do)
-        water(do)
-        sample(do, dt * do.settings.sample_every)
+    locate(do)
+    water(do)
+    sample(do, dt)
 
 
 def derive(do):
     """All that follows from where the columns are."""
     locate(do)
     water(do)
-    if do.need.airborne:
-        do.flood_land()
     if do.need.control and (do.clock.sub_step > 0 or do.recording):
         do.control_brake()  # 8: of the last move
     forces(do)
     do.flood_bounds()
+    if do.need.airborne:  # last: what landed has a depth of its own from the next solve on
+        do.flood_land()
 
 
 def rings(do):
@@ -140,10 +139,10 @@ def leave(do, names):
 
 def seep(do, dt):
     """Let water seep away, in portions that single precision can take from a column (E19)."""
-    s, ledger = do.settings, do.clock.ledger
-    waited = ledger.get("seeping", 0.0) + dt
-    ledger["seeping"] = waited if s.infiltration * waited < s.least_seepage else 0.0
-    if ledger["seeping"] == 0.0:
+    s, kept = do.settings, do.clock.sources
+    waited = kept.get("seconds to seep", 0.0) + dt
+    kept["seconds to seep"] = waited if s.infiltration * waited < s.least_seepage else 0.0
+    if kept["seconds to seep"] == 0.0:
         do.infiltrate(rate=s.infiltration, thinnest=s.thinnest, dt=waited)
         leave(do, (None, None, "infiltrated", "dried"))
 
@@ -168,7 +167,7 @@ def sample(do, dt):
     do.cell_reach(rings=rings(do), empty=1)
     do.flood_sample()
     do.keep_most(time=do.clock.time, dt=dt)
-    if s.gauges:
+    if s.gauges and (do.recording or dt == 0 or (do.clock.step + 1) % s.gauge_every == 0):
         sources.read_gauges(do)
 
 

@@ -20,6 +20,7 @@ EVERYTHING = dict(
     fluid={"fill": [{"lower": [0.0, 0.0], "upper": [3.0, 6.0], "stage": 0.5}]},
     inflow=[{"discharge": {"table": [[0, 1], [1, 3]]}, "centre": [6.0, 4.0], "radius": 1.0}],
     boundary={"east": "open"}, obstacle=[{"shape": "cylinder", "centre": [4.0, 2.0], "radius": 0.6}], friction={"manning": 0.03},
+    edge=[{"side": "south", "discharge": {"table": [[0, 0.2], [1, 0.6]]}}],
     rain={"rate": "5 mm/s"}, infiltration={"rate": "1 mm/s"}, control={}, gauge=[{"position": [3.5, 4.0]}, {"position": [5.5, 2.0]}],
     output={"maps": True, "raster": "none"}, time={"end": 1.0, "dt": 0.05, "output_every": 0.1, "n_sub_max": 100},
 )
