@@ -94,7 +94,7 @@ def check_memory(wanted):
         return
     if wanted > there:
         raise MeltError(
-            f"the run needs {wanted / 1e9:.3g} GB of memory, this machine has {there / 1e9:.3g} GB: raise domain.spacing, "
+            f"the run needs {wanted / 1e9:.3g} GB of memory, this machine has {there / 1e9:.3g} GB: raise the spacing, "
             "make the scene smaller, or lower solver.max_neighbours and solver.width"
         )
 

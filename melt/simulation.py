@@ -250,6 +250,8 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
     path, say = followed(path), progress or (lambda event, **values: None)
     backends.set_threads(threads)
     past = open_run(path)
+    if len(past) <= 1 and not checkpoint.beside(path).exists():
+        raise MeltError(f"{path} was stopped before its first checkpoint (time.checkpoint_every): start the run again, with --overwrite")
     arrays, meta = checkpoint.load(checkpoint.beside(path))
     scene = scene_from_toml(past.scene_text, f"scene of {path}")
     total = scene.time.steps_to(check_number("until", scene.time.end if until is None else until, at_least=0))

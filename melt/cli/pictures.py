@@ -1,4 +1,4 @@
-"""Commands on run files: info and render."""
+"""Commands on run files: info, gauges and render."""
 
 import pathlib
 import re
@@ -20,6 +20,24 @@ def info(path: RunPath):
     width = max(len(name) for name, _ in facts)
     for name, value in facts:
         typer.echo(f"{name:<{width}}  {value}")
+
+
+@app.command("gauges")
+def gauges(
+    path: RunPath,
+    output: Annotated[pathlib.Path | None, typer.Option("--output", "-o", help="CSV file; standard output unless given.")] = None,
+):
+    """Write what the gauges of a flood read as CSV: time [s], then surface [m], depth [m] and speed [m/s] of each."""
+    from melt.output.gauges import as_csv
+
+    text = as_csv(path)
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    from melt.output.rasters import write_whole
+
+    write_whole(output, text.encode())
+    typer.echo(f"{output} written", err=True)
 
 
 @app.command("render")

@@ -41,6 +41,8 @@ def _flood_sample(
     level, fast = sample_bed[s], real(0)
     if not cover <= wide(sampling.cover):
         level, fast = real(surface / cover), real(speed / cover)
+        most = sample_bed[s] + real(2) * real(column / cover)
+        level = most if level > most else level
     if level <= sample_bed[s]:
         level, fast = sample_bed[s], real(0)
     sample_surface[s], sample_depth[s], sample_speed[s] = level, level - sample_bed[s], fast

@@ -97,6 +97,12 @@ def _columns(scene, terrain, x, volume, depth, velocity, spare):
     return arrays
 
 
+def _blocked(terrain, place):
+    """Return whether the node nearest to a local place is one that water may not enter."""
+    row, column = (np.clip(int(k), 0, n - 1) for k, n in zip(terrain.node(place), terrain.shape))
+    return bool(terrain.blocked[row, column])
+
+
 def _samples(scene, terrain):
     """Return (nodes of the map, arrays over sample points): nodes of the terrain, then gauges."""
     x = np.zeros((2, 0))
@@ -105,6 +111,9 @@ def _samples(scene, terrain):
     nodes = x.shape[1]
     gauges = [terrain.local(gauge.position) for gauge in scene.gauge]
     for gauge, place in zip(scene.gauge, gauges):
+        if _blocked(terrain, place):
+            where = f"at {list(gauge.position)} stands on blocked ground (no elevation, or a wall)"
+            raise GeometryError(f"gauge {gauge.name!r} {where}: move it")
         if not ((place >= terrain.bounds[0]) & (place <= terrain.bounds[1])).all():
             where = f"at {list(gauge.position)} lies outside of the terrain, {walls.extent(terrain)}"
             raise GeometryError(f"gauge {gauge.name!r} {where}: move it, or widen the terrain")

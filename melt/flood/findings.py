@@ -16,6 +16,7 @@ def findings(scene, initial, prepared):
     """Return [(level, text, fix)]."""
     found = [("note", note, "") for note in initial.notes]
     found += _volume(scene, initial)
+    found += _numbers(scene, initial)
     found += _terrain(scene, initial)
     found += _resolution(scene, initial, prepared)
     found += _courant(scene, prepared)
@@ -38,6 +39,27 @@ def _volume(scene, initial):
         found.append(("warning", f"there is room for {room:.6g} m^3 of what flows in: the inflow will stop", f"fluid.capacity = {need}"))
     if not start and not brought:
         found.append(("warning", "there is no water: the run shows a dry terrain", "[[fluid.fill]], [[inflow]], [[edge]] or [rain]"))
+    return found
+
+
+def _numbers(scene, initial):
+    """Values that are probably in another unit, and water that is too coarse to mean something."""
+    found, dx = [], scene.spacing
+    if scene.rain is not None and initial.sources:
+        rain = initial.sources.emitters["rain"]
+        most, depth = float(rain.rate.values.max()), rain.rate.integral(0.0, scene.time.end)
+        if most > 0.5 / 3600:
+            found.append(("warning", f"rain of {most * 3600:.3g} m an hour: a number without a unit is in m/s", "rain.rate = \"60 mm/h\""))
+        if 0 < depth < scene.column_volume / (2 * dx) ** 2:
+            area = scene.column_volume / depth
+            text = f"{depth * 1e3:.3g} mm of rain are one column in {area:.3g} m^2: lumps far apart, no sheet of water"
+            found.append(("warning", text, "a smaller fluid.spacing or fluid.reference_depth, or no rain"))
+    friction = scene.friction
+    if friction is not None and friction.law == "manning" and friction.manning > 0.3:
+        text = f"a Manning coefficient of {friction.manning:g} s/m^(1/3) all but stops the water (natural ground has 0.02 to 0.15)"
+        found.append(("warning", text, f"friction.manning = {1 / friction.manning:.3g}, if the number was Strickler's"))
+    if 0 < initial.active < 100:
+        found.append(("warning", f"{initial.active} columns are too few for a flow", "a smaller fluid.spacing"))
     return found
 
 

@@ -17,6 +17,7 @@ MAPS = {
     "arrival_time": ("arrival_time", np.nan),
     "wet_time": ("wet_time", 0.0),
     "final_depth": ("sample_depth", 0.0),
+    "final_column": ("sample_column", 0.0),  # its sum times the area of a cell is the volume of the water
 }
 
 

@@ -97,6 +97,8 @@ def _one(scene, terrain, outlines, pool, name, earlier, notes):
             relax=SWEEPS if fluid.even else 0, region=region,
         )
     except GeometryError as error:
+        if str(error).startswith("no water"):
+            raise GeometryError(f"{name} is dry: its stage lies below the bed, or walls and obstacles fill its region") from None
         raise GeometryError(f"{name}: {error}") from None
     depth, u, v = flow(*x)
     notes.append(f"{name}: {x.shape[1]:,} columns, {volume.sum():.6g} m^3, {depth.max(initial=0.0):.4g} m deep at most")

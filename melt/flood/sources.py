@@ -148,6 +148,10 @@ def _region(inflow, terrain):
     low, high = terrain.bounds
     if (corners.min(axis=1) < low).any() or (corners.max(axis=1) > high).any():
         raise GeometryError(f"inflow {inflow.name!r} lies outside of the terrain, {extent(terrain)}: move it, or widen the terrain")
+    tried = region.points(np.random.default_rng(0).random((256, 2))).T  # what enters on blocked ground is taken out again
+    row, column = (np.clip(k, 0, n - 1) for k, n in zip(terrain.node(tried), terrain.shape))
+    if terrain.blocked[row, column].mean() > 0.5:
+        raise GeometryError(f"inflow {inflow.name!r} lies on blocked ground (no elevation, or a wall): move it")
     return region
 
 

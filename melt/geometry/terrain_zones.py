@@ -152,6 +152,8 @@ def manning_grid(section, grid, folder=None):
             where, mask = inside(grid, polygon)
             values[where][mask] = getattr(zone, section.law)
             count += int(mask.sum())
+        if count == 0:
+            raise GeometryError(f"friction zone {k} holds no node of {grid.name}: give world coordinates inside of it, or remove the zone")
         grid.notes.append(f"friction zone {k}: {section.law} {getattr(zone, section.law):g} at {count} nodes")
     return values
 

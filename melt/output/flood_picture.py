@@ -34,6 +34,8 @@ class FloodPainter:
         if len(run) == 0:
             raise OutputError(f"{run.path} has no frame yet: nothing to draw.")
         self.run = run
+        if field not in (*FIELDS, "water", "temperature"):  # temperature is the command's default
+            raise OutputError(f"a flood has no field '{field}' to draw: use water, {', '.join(FIELDS)}.")
         self.field = field if field in FIELDS else None
         low, high = self._wet_area()
         self.terrain, self.steeper = self._cut(low, high)
@@ -60,9 +62,16 @@ class FloodPainter:
         if self.field:
             span = max(self.colouring.high - self.colouring.low, 1e-9)
             value = np.clip((self._values(frame)[water] - self.colouring.low) / span, 0, 1)
-        picture = self.renderer.draw(x, np.minimum(radius, 3 * WIDTH * self._spacing()), value, self.terrain)
+        picture = self.renderer.draw(x, self._within(x, radius), value, self.terrain)
         counts = f"{int(water.sum()):,} columns" + (f", heights x {self.steeper:.2g}" if self.steeper > 1 else "")
         return annotate(picture, self.run.times[k], self.colouring, counts)
+
+    def _within(self, x, radius):
+        """Return the radii (n,) [m] with which columns are drawn: wide ones less, and none beyond the ground that is drawn."""
+        low = np.array(self.terrain.lower)
+        high = low + np.array(self.terrain.cell) * (np.array(self.terrain.elevation.shape[::-1]) - 1)
+        room = np.minimum(x[:2] - low[:, None], high[:, None] - x[:2]).min(axis=0)
+        return np.clip(np.minimum(radius, 2 * WIDTH * self._spacing()), 0.0, np.maximum(room, 0.0))
 
     def _values(self, frame):
         speed = np.linalg.norm(frame["velocity"][:, :2], axis=1).astype(float)

@@ -19,8 +19,10 @@ def flood_sample(
 ):
     """Write surface, depth, conservative depth and speed of the water at each point.
 
-    A point is dry where c <= cover or where the surface does not stand above its bed: the surface is the bed, depth
-    and speed are 0. A NaN of the water shows.
+    The surface stands at most twice the mean depth of its columns above the bed: on a hillside a thin, wide column
+    elsewhere on the slope says nothing of the surface here (rain drew lakes of 5 m). A point is dry where c <= cover
+    or where the surface does not stand above its bed: the surface is the bed, depth and speed are 0. A NaN of the water
+    shows.
 
     Reads: sample_position (2, samples) [m], sample_bed (samples,) [m]; of liquid columns position, velocity,
         rest_volume, depth, bed, support_radius; the grid is not used (all pairs).
@@ -39,6 +41,8 @@ def flood_sample(
         sample_column[s] = (V[near] * W).sum()
         if not cover <= float(sampling.cover):
             surface = (A[near] * W * eta[near]).sum() / cover
+            most = b + 2 * (V[near] * W).sum() / cover
+            surface = most if surface > most else surface
             fast = (A[near] * W * speed[near]).sum() / cover
         if surface <= b:
             surface, fast = b, 0.0

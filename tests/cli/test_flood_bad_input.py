@@ -163,7 +163,7 @@ def test_a_wrong_hydrograph_is_refused_with_its_line(text, said):
 
 # ---- outputs
 
-MAPS = ("arrival_time", "final_depth", "largest_depth", "largest_flux", "largest_speed", "wet_time")
+MAPS = ("arrival_time", "final_column", "final_depth", "largest_depth", "largest_flux", "largest_speed", "wet_time")
 BESIDE = sorted([f"pond_{name}.asc" for name in MAPS] + ["pond_terrain.vtkhdf"])
 RUN = ["run", "pond.toml", "-b", "cpu", "--set", "output.raster=asc"]
 

@@ -50,3 +50,23 @@ def test_what_would_lose_water_is_refused():
         flood(fluid={"fill": [{"depth": DEPTH}], "settle": 1.0}, boundary={"east": "open"})
     with pytest.raises(InputError, match="discharge of -1"):
         build(flood(edge=[{"side": "west", "discharge": {"table": [[0, -1.0], [1, 1.0]]}}]))
+
+
+def test_a_thin_column_on_a_hillside_draws_no_lake_below_it():
+    """The mean of surfaces far up the slope is not the surface here: at most twice the columns' own depth."""
+    hill = {"lower": [-8.0, -8.0], "upper": [8.0, 8.0], "cell": 0.25, "shape": "plane", "parameters": {"slope": 0.5}}
+    fill = [{"centre": [0.0, 0.0], "radius": 0.3, "depth": 0.05}]
+    sim = stepped(flood(terrain=hill, fluid={"fill": fill}, output={"maps": True}), 1)
+    depths = sim.state.read("sample_depth")
+    assert 0 < depths.max() <= 2 * sim.read("depth").max() * (1 + 1e-9)
+
+
+def test_gauges_come_out_as_a_table(tmp_path):
+    from melt import simulation
+    from melt.output.gauges import as_csv
+
+    scene = flood(gauge=[{"name": "a", "position": [1.0, 2.0]}, {"name": "b", "position": [7.0, 2.0]}], time={"end": 0.2})
+    simulation.run(scene, tmp_path / "g.vtkhdf", backend="cpu")
+    lines = as_csv(tmp_path / "g.vtkhdf").splitlines()
+    assert lines[0].startswith("time [s],a surface [m],a depth [m],a speed [m/s],b surface [m]")
+    assert len(lines) == 1 + 5 and float(lines[1].split(",")[2]) == pytest.approx(DEPTH, rel=0.1)
