@@ -5,8 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from melt.geometry.outlines import inside
 from melt.output import camera as cameras
-from melt.output import colours
+from melt.output import colours, relief
 from melt.output.annotate import annotate
 from melt.output.errors import OutputError
 from melt.output.screen import Look, ScreenRenderer
@@ -67,11 +68,12 @@ class FloodPainter:
         return annotate(picture, self.run.times[k], self.colouring, counts)
 
     def _within(self, x, radius):
-        """Return the radii (n,) [m] with which columns are drawn: wide ones less, and none beyond the ground that is drawn."""
+        """Return the radii (n,) [m] with which columns are drawn: none beyond the ground that is drawn, or out of its underside."""
         low = np.array(self.terrain.lower)
         high = low + np.array(self.terrain.cell) * (np.array(self.terrain.elevation.shape[::-1]) - 1)
         room = np.minimum(x[:2] - low[:, None], high[:, None] - x[:2]).min(axis=0)
-        return np.clip(np.minimum(radius, 2 * WIDTH * self._spacing()), 0.0, np.maximum(room, 0.0))
+        room = np.maximum(np.minimum(room, 0.5 * (x[2] - relief.base(self.terrain))), 0.0)
+        return np.clip(np.minimum(radius, 2 * WIDTH * self._spacing()), 0.0, room)
 
     def _values(self, frame):
         speed = np.linalg.norm(frame["velocity"][:, :2], axis=1).astype(float)
@@ -112,13 +114,26 @@ class FloodPainter:
         short = np.maximum(least - (high - low), 0)
         return np.maximum(low - short / 2, ground[0]), np.minimum(high + short / 2, ground[1])
 
+    def _raise_obstacles(self, z, lower, cell):
+        """Lift nodes (ny, nx) inside of the scene's obstacles by their height, in place."""
+        facts, scene = self.run.map_facts, tomllib.loads(self.run.scene_text)
+        origin, unit = np.asarray(facts["origin"], float), float(facts.get("unit", 1.0))
+        nodes = np.stack([a.ravel() for a in np.meshgrid(*(lower[k] + cell[k] * np.arange(z.shape[1 - k]) for k in (0, 1)))])
+        for given in scene.get("obstacle", []):
+            outline = SimpleNamespace(**{"angle": None, "hole": None, **given})
+            for name in ("centre", "polygon", "hole"):
+                if getattr(outline, name, None) is not None:
+                    setattr(outline, name, (np.array(getattr(outline, name)) * unit - origin).tolist())
+            z += float(given.get("height", 3 * scene["fluid"]["reference_depth"])) * inside(outline, nodes).reshape(z.shape)
+
     def _cut(self, low, high):
         """Return (the terrain between two corners, the factor on heights)."""
         facts, bed = self.run.map_facts, self.run.maps["bed"].astype(float) - float(self.run.map_facts["datum"])
         lower, cell = np.array(facts["lower"]), np.array(facts["cell"])
         first = np.clip(np.floor((low - lower) / cell).astype(int), 0, np.array(bed.shape[::-1]) - 3)
         last = np.clip(np.ceil((high - lower) / cell).astype(int) + 1, first + 3, np.array(bed.shape[::-1]))
-        z = bed[first[1] : last[1], first[0] : last[0]]
-        relief = float(np.nanmax(z) - np.nanmin(z))
-        steeper = float(np.clip(FLAT * (high - low).max() / max(relief, 1e-9), 1.0, STEEPER)) if relief > 0 else 1.0
+        z = bed[first[1] : last[1], first[0] : last[0]].copy()
+        self._raise_obstacles(z, lower + first * cell, cell)
+        rise = float(np.nanmax(z) - np.nanmin(z))
+        steeper = float(np.clip(FLAT * (high - low).max() / max(rise, 1e-9), 1.0, STEEPER)) if rise > 0 else 1.0
         return SimpleNamespace(elevation=z * steeper, lower=tuple(lower + first * cell), cell=tuple(cell)), steeper

@@ -13,7 +13,8 @@ CUT = np.array((0.46, 0.40, 0.34))  # of the faces of the block
 def base(terrain):
     """Return the height [m] down to which the ground is drawn."""
     known = np.asarray(terrain.elevation)[np.isfinite(terrain.elevation)]
-    return float(known.min() - 0.1 * np.ptp(known)) if known.size else 0.0
+    wide = max(n * c for n, c in zip(np.shape(terrain.elevation)[::-1], terrain.cell))
+    return float(known.min() - max(0.1 * np.ptp(known), 0.04 * wide)) if known.size else 0.0
 
 
 def _nodes(values, x, y):
