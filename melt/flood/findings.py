@@ -8,7 +8,7 @@ from melt.flood.limits import limits_of
 from melt.physics.phases import INACTIVE
 
 #: Seconds of a column and sub-step, and of a stage's launch, measured on two cores in single precision.
-COLUMN, LAUNCH = 0.14e-6, 30e-6
+COLUMN, LAUNCH = 0.17e-6, 50e-6
 STEEP = 0.5
 
 
