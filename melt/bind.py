@@ -213,6 +213,7 @@ class Recorder:
         self.clock = new_clock()
         self.clock.largest_bubble = np.inf
         self.notes = {}
+        self.warning = ""
         self.listed = False
         self.stages = []
         self.fields = []

@@ -163,7 +163,7 @@ def along_wall(a_x, a_y, g_x, g_y, xx, xy, yy, h):
     Walls carry the stage of the column itself: with the share M_tt = t . M t that they take of its support, a surface that
     slopes along them pushes by 1 - M_tt of what it should (half at the wall; M = -sum A_b (W'/r) x_ib x_ib, a straight wall
     has M_tt = sum A_b W). g_x, g_y is sum A_b grad W, which points across the wall. A straight wall takes half at most.
-    Midway between two walls G cancels, and its direction is noise: what is added fades with (l |G|)^2 below 0.01.
+    Midway between two walls G cancels, and its direction is noise: what is added fades with (l |G|)^2 below 0.001.
     """
     real = type(a_x)
     g2 = g_x * g_x + g_y * g_y
@@ -172,7 +172,7 @@ def along_wall(a_x, a_y, g_x, g_y, xx, xy, yy, h):
     taken = (xx * g_y * g_y - real(2) * xy * g_x * g_y + yy * g_x * g_x) / g2
     open_share = max(real(1) - taken, real(0.5))
     sided = real(0.25) * h * h * g2
-    fade = sided / (sided + real(0.01))
+    fade = sided / (sided + real(0.001))
     more = fade * (real(1) / open_share - real(1)) * (a_y * g_x - a_x * g_y) / g2
     return a_x - more * g_y, a_y + more * g_x
 

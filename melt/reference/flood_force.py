@@ -59,7 +59,7 @@ def wall_force(
     by 1 - M_tt of what it should, M = sum_b V_b grad W (x) (x_b - x_i), t along the wall (across G = sum_b V_b grad W).
     The acceleration along t is therefore divided by it; a straight wall has M_tt = sum_b V_b W, one half at most.
     (Ritter in a strip 20 columns wide: the row at the wall was 10 % too slow, then 2 % too fast.) Midway between two walls
-    G cancels and its direction means nothing: the addition is weighted with (l |G|)^2/((l |G|)^2 + 0.01).
+    G cancels and its direction means nothing: the addition is weighted with (l |G|)^2/((l |G|)^2 + 0.001).
 
     Reads: position (3, n) [m], phase (n,), depth, bed, support_radius (n,) [m], support_factor (n,) [1],
         boundary_position (3, b) [m], boundary_area (b,) [m^2]; the list is not used (all pairs).
@@ -84,6 +84,6 @@ def wall_force(
         t = np.array([-G[1], G[0]]) / np.where(beside, np.linalg.norm(G, axis=0), 1.0)
         M_tt = -(VF * (t[:, :, None] * x_ib).sum(axis=0) ** 2).sum(axis=1)
         sided = (0.5 * h) ** 2 * (G**2).sum(axis=0)
-        fade = sided / (sided + 0.01)
+        fade = sided / (sided + 0.001)
         a += np.where(beside, fade * (1 / np.maximum(1 - M_tt, 0.5) - 1) * (t * a).sum(axis=0), 0.0) * t
     acceleration[:, wet] = a
