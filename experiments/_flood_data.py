@@ -221,7 +221,7 @@ class Merewether:
     """Flood among houses, Newcastle, June 2007; EPSG:32756, metres.
 
     x (321,), y (416,) cell centres; bed (ny, nx), row 0 south, bare earth (NaN: no data); houses: list of (n, 2) polygons; road, extent
-    (n, 2); marks: id -> (x, y, stage [m]). Inflow 19.7 m^3/s, walls south and west, open north and east, dry start.
+    (n, 2); marks: id -> (x, y, stage [m]). Inflow, sides and friction: the scene `merewether`.
     """
 
     x: np.ndarray
@@ -232,10 +232,6 @@ class Merewether:
     extent: np.ndarray
     marks: dict
     tuflow: dict  # id -> stages [m] on grids of 1, 0.5 and 2 m
-    inflow = 19.7
-    inlet = (382300.0, 6354290.0, 15.0)  # x, y, radius [m]
-    house_height = 3.0
-    manning, road_manning = 0.04, 0.02
     #: MAE [m] of TUFLOW (1, 0.5, 2 m) and of first-order finite volumes (1 m), with their stages [m]. The bed at 42 lies above the
     #: mark, the depth at 43 is 6 cm: 44, 31 and 32 judge.
     published = {

@@ -71,11 +71,6 @@ def fit_oscillation(t, y, period):
     return float(np.hypot(cos, sin)), float(period / scale), float(np.arctan2(sin, cos)), float(offset)
 
 
-def centroid(position, mass):
-    """Return the centre (2,) [m] of columns at (n, 2) of ``mass`` (n,)."""
-    return np.asarray(mass) @ np.asarray(position) / np.sum(mass)
-
-
 def ring_symmetry(x, y, depth, edges, centre=(0.0, 0.0), fewest=8):
     """Return std/mean of the depth on rings between radii ``edges`` (k + 1,) [m]: (k,), NaN on rings of few samples.
 
@@ -122,12 +117,6 @@ def peak(t, y, start=-np.inf, end=np.inf):
     inside = np.flatnonzero((t >= start) & (t <= end))
     i = inside[np.nanargmax(y[inside])]
     return float(y[i]), float(t[i])
-
-
-def peak_errors(t_obs, y_obs, t, y, start=-np.inf, end=np.inf):
-    """Return (error of the peak over the observed peak, simulated minus observed time of the peak [s])."""
-    (top_obs, at_obs), (top, at) = peak(t_obs, y_obs, start, end), peak(t, y, start, end)
-    return (top - top_obs) / top_obs, at - at_obs
 
 
 def arrival(t, y, threshold):

@@ -13,7 +13,6 @@ from melt.geometry.calibration import calibrate
 from melt.geometry.columns import place
 from melt.geometry.pools import region_of, without
 
-KEEP_OFF = 0.25  # columns start this far from walls, in spacings
 SWEEPS = 30  # that even out a layout
 
 

@@ -20,16 +20,6 @@ def region_of(pool):
     return lambda x, y: np.ones(np.shape(x), bool)
 
 
-def depth_in(pool, bed):
-    """Return the depth [m] that the pool gives as a function of x and y, without regard to its region.
-
-    ``bed``: elevation as a function of x and y [m]. A pool with a profile has no depth of its own: the profile has.
-    """
-    if pool.depth is not None:
-        return lambda x, y: np.full(np.shape(x), pool.depth)
-    return lambda x, y: np.maximum(pool.stage - bed(x, y), 0.0)
-
-
 def without(outlines, region=None):
     """Return a region without the obstacles in it: water does not start inside of them."""
 

@@ -43,22 +43,6 @@ def dW2(r, h, flood):
 
 
 @scalar
-def dW2_over_r(r2, h, flood):
-    """Return dW/dr / r [1/m^4] from r^2: finite at r = 0, where it is times x_ij = 0."""
-    real = type(r2)
-    inverse = real(1) / h
-    r = math.sqrt(r2)
-    q = r * inverse
-    a = max(real(1) - q, real(0))
-    scale = flood.sigma * (inverse * inverse) * (inverse * inverse)
-    if flood.kernel == CUBIC:
-        b = max(real(0.5) - q, real(0))
-        # min(q, a)/q: 1 within h/2; the floor keeps 1/q finite
-        return real(-240 / (7 * math.pi)) * scale * min(real(1), a / max(q, real(0.25))) * (a + real(2) * b)
-    return real(-140 / math.pi) * scale * (a * a * a)
-
-
-@scalar
 def support_of(V, d, flood):
     """Return h = ratio sqrt(V/d), clamped; the largest for d <= 0 or NaN, so that a search stays bounded. E8."""
     h = flood.ratio * math.sqrt(V / d)

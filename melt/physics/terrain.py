@@ -165,13 +165,6 @@ def bed_sample(x, y, terrain, terrain_grid):
 
 
 @scalar_lookup
-def bed_gradient(x, y, terrain, terrain_grid):
-    """Return (db/dx, db/dy)."""
-    _, s_x, s_y = bed_sample(x, y, terrain, terrain_grid)
-    return s_x, s_y
-
-
-@scalar_lookup
 def bed_second(x, y, terrain, terrain_grid):
     """Return the second derivatives (xx, yy, xy) of b [1/m]."""
     t_x, t_y = place_of(x, y, terrain_grid)

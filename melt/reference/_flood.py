@@ -33,15 +33,6 @@ def apart(position, others):
         return np.sqrt((x[0, :, None] - y[0]) ** 2 + (x[1, :, None] - y[1]) ** 2)
 
 
-def cells_of(position, grid):
-    """Return (c_x, c_y) of each place; those outside the grid are in cells of its edge, NaN in cell 0."""
-    found = []
-    for x, origin, count in ((position[0], grid.origin_x, grid.nx), (position[1], grid.origin_y, grid.ny)):
-        t = (x.astype(np.float64) - float(origin)) * float(grid.inverse_cell)
-        found.append(np.clip(np.floor(np.nan_to_num(t, nan=0.0)), 0, count - 1).astype(np.int64))
-    return found
-
-
 def _weights(t, count, sampler):
     """Return nodes (s, n) and their weights of value, slope and curvature at coordinates t in node distances."""
     t = np.clip(np.nan_to_num(t, nan=-2.0), -2, count + 1)

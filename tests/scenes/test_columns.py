@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+from terrain_files import terrain
 
 from melt.errors import GeometryError, InputError
+from melt.flood.pools import flow_of
 from melt.geometry.barriers import SIDES, rectangle_walls
 from melt.geometry.calibration import MOST, calibrate, measured_bias
 from melt.geometry.columns import LAYOUTS, place
 from melt.geometry.depth_sums import depth_of, lattice_bias, weight
-from melt.geometry.pools import depth_in, region_of, without
+from melt.geometry.pools import region_of, without
 from melt.geometry.raster import Raster, hilbert
 from melt.scene.flood_bodies import FloodObstacle, Pool
 
@@ -184,13 +186,16 @@ def test_calibration_keeps_columns_that_cannot_reach_their_depth():
     assert (W >= V / MOST).all() and (W <= V * MOST).all()
 
 
-def test_pools_give_depth_and_region():
-    def bed(x, y):
-        return 0.1 * x
+def test_pools_give_depth_above_the_bed_and_velocity():
+    grid = terrain(shape="plane", lower=[0, 0], upper=[40, 40], cell="1 m", parameters={"slope": -0.1})
+    x = grid.local(np.array([[4.5, 8.0, 30.0], [20.0, 20.0, 20.0]]))
+    d, u, v = flow_of(Pool(stage=1.0, velocity=[2, 3]), grid, 9.81, "bspline", "pool")(*x)
+    assert d == pytest.approx([0.55, 0.2, 0.0], abs=1e-5) and u.tolist() == [2] * 3 and v.tolist() == [3] * 3
+    assert flow_of(Pool(depth="50 cm"), grid, 9.81, "bspline", "pool")(*x)[0].tolist() == [0.5] * 3
 
+
+def test_pools_give_a_region():
     x = np.array([0.5, 4.0, 30.0])
-    assert depth_in(Pool(stage=1.0), bed)(x, x).tolist() == pytest.approx([0.95, 0.6, 0.0])
-    assert depth_in(Pool(depth="50 cm"), bed)(x, x).tolist() == [0.5] * 3
     for pool in (
         {"lower": [0, 0], "upper": [5, 5]},
         {"centre": [0, 0], "radius": 6},
