@@ -115,13 +115,13 @@ class Plain:
         """Keep a value for the series of this output step."""
         self.notes[name] = value
 
-    def reorder(self):
-        """Sort every field that travels with its particle into cell order (`order`)."""
-        for name in CARRIED:
+    def reorder(self, names=CARRIED, order="order"):
+        """Sort every field that travels with its particle into cell order."""
+        for name in names:
             if name in self.state:
-                self._reorder(name)
+                self._reorder(name, order)
 
-    def _reorder(self, name):
+    def _reorder(self, name, order):
         source = self.state.get(name)
         key = (source.shape, source.dtype.str)
         if key not in self._spare:
@@ -129,7 +129,7 @@ class Plain:
         target = self._spare[key]
         stage = STAGES["reorder_scalar" if len(source.shape) == 1 else "reorder_vector"]
         self.launches[stage.name] = self.launches.get(stage.name, 0) + 1
-        self._call(stage, [self.state.get("order"), source, target])
+        self._call(stage, [self.state.get(order), source, target])
         self._spare[key] = source
         self.state.arrays[name] = target
         self.state.version += 1
@@ -258,7 +258,7 @@ class Recorder:
     def forget(self):
         pass
 
-    def reorder(self):
+    def reorder(self, names=CARRIED, order="order"):
         for stage in ("reorder_scalar", "reorder_vector"):
             if stage not in self.stages:
                 self.stages.append(stage)

@@ -10,7 +10,7 @@ this field large or small (see `melt.check`); integers compare exactly.
 
 from typing import NamedTuple
 
-from melt import fields_flood
+from melt import fields_flood, fields_slime
 
 #: Every extent that a shape may name, and what it counts.
 EXTENTS = {
@@ -39,7 +39,7 @@ EXTENTS = {
     "stop": "colours of a map, evenly spaced from 0 to 1",
     "relief_row": "nodes of the drawn height field in y",
     "relief_column": "nodes of the drawn height field in x",
-} | fields_flood.EXTENTS
+} | fields_flood.EXTENTS | fields_slime.EXTENTS
 
 
 class Field(NamedTuple):
@@ -58,7 +58,7 @@ def _f(name, shape, kind, unit, scale, meaning):
 _TABLE = [
     # particles
     _f("id", "particle", "int", "1", "", "permanent number of the particle"),
-    _f("phase", "particle", "int", "1", "", "0 liquid, 1 solid, 2 wall, 3 bubble, 4 vapour, 5 inactive, 6 airborne"),
+    _f("phase", "particle", "int", "1", "", "0 liquid, 1 solid, 2 wall, 3 bubble, 4 vapour, 5 inactive, 6 airborne, 7 driven"),
     _f("material", "particle", "int", "1", "", "row of the material table"),
     _f("site", "particle", "int", "1", "", "lattice site of a (once) solid particle, -1 for none"),
     _f("position", "3 particle", "position", "m", "spacing", "position; of a flood, z is the water surface"),
@@ -242,6 +242,7 @@ _TABLE = [
     # reductions read by the host
     _f("motion_bounds", "2 reduction", "real", "m/s, m/s^2", "speed", "largest speed and acceleration of mobile particles"),
     *[_f(*row) for row in fields_flood.TABLE],
+    *[_f(*row) for row in fields_slime.TABLE],
     # screen-space renderer
     _f("screen_radius", "particle", "real", "m", "spacing", "radius with which a particle is drawn; not above 0: it is not"),
     _f("particle_value", "particle", "real", "1", "one", "place of the particle's colour on the map, 0 to 1"),
@@ -270,7 +271,7 @@ CARRIED = (
     "id phase material site position velocity mass rest_volume temperature latent_energy latent_capacity"
     " position_predicted effect_precision support_radius iterations"
     " latent_store bubble_volume bubble_radius birth_height age cargo vapour_support"
-).split() + list(fields_flood.CARRIED)
+).split() + list(fields_flood.CARRIED) + list(fields_slime.CARRIED)
 
 #: Fields that mean something for one phase only: a slot that changes its phase may keep what it had.
 _OWNER = {"bubble_radius": 3, "cargo": 3, "latent_store": 0, "constraint": 0, "effect_precision": 0}

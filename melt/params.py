@@ -33,6 +33,20 @@ from melt.params_flood import (  # noqa: F401
     Terrain,
 )
 from melt.params_screen import Filter, Optics, Relief, Splat, View  # noqa: F401
+from melt.params_slime import (  # noqa: F401
+    MASSLESS,
+    ORPHAN,
+    VISCOSITY_ARRHENIUS,
+    VISCOSITY_CONSTANT,
+    VISCOSITY_EXPONENTIAL,
+    Apic,
+    Dfsph,
+    Elastic,
+    Ghosts,
+    Period,
+    Poisson,
+    Viscous,
+)
 
 CUBIC, WENDLAND2, MUELLER = range(3)
 L_VISC, L_BROOK, L_BROOK_REGULAR = range(3)
@@ -51,6 +65,7 @@ class Smoothing(NamedTuple):
     support: float  # support radius h [m]
     kernel: int  # CUBIC, WENDLAND2, MUELLER (poly6 for W, spiky for the gradient)
     laplacian: int  # L_VISC, L_BROOK, L_BROOK_REGULAR
+    dimension: int = 3  # 2: normalised in the plane, per metre of depth
 
 
 class Grid(NamedTuple):
@@ -214,6 +229,6 @@ def make(kind, real, **values):
     """
     cast = {
         name: (np.int32 if kind.__annotations__[name] is int else real)(value)
-        for name, value in values.items()
+        for name, value in {**kind._field_defaults, **values}.items()
     }
     return kind(**cast)

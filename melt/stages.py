@@ -1,7 +1,7 @@
 """The registry: one entry per stage, in pipeline order.
 
 Plan, binders, cross-check, ``docs/stages.md`` and the law tests derive from it; there is
-no second list (`melt.stages_boiling` and `melt.stages_flood` are parts of it). A stage's arguments are, in this order: fields it only reads, parameters
+no second list (`melt.stages_boiling`, `melt.stages_flood`, `melt.stages_slime` and `melt.stages_screen` are parts of it). A stage's arguments are, in this order: fields it only reads, parameters
 (NamedTuples of `melt.params` in lower case, then scalars such as ``dt``), fields it writes.
 A field that is read and written stands among the written ones.
 """
@@ -10,6 +10,7 @@ from melt.registry import COPY, EIGEN, EXACT, FEW, NEAR, REGION, STIFF, SUM, SWE
 from melt.stages_boiling import LIST as BOILING
 from melt.stages_flood import LIST as FLOOD
 from melt.stages_screen import LIST as SCREEN
+from melt.stages_slime import LIST as SLIME
 
 _LATENT = "heat_capacity_molten latent_point latent_capacity"
 _THERMAL = f"conductivity heat_volume heat_capacity {_LATENT}"
@@ -162,6 +163,7 @@ _LIST = [
     stage("motion_bounds", "motion", "melting 2.6", "phase mass velocity force", "", "motion_bounds", FEW),
     *BOILING,
     *FLOOD,
+    *SLIME,
     # ---- surface: line 15
     stage("surface", "surface", "melting 2.8", f"position phase volume {NEAR}", "smoothing full_neighbours", "surface", EXACT),
     stage("surface_field", "surface_field", "melting 2.8", "position temperature cell_start surface_node", "grid reconstruction",

@@ -1,7 +1,7 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _pbf, _screen
+from melt.check import _boiling, _cloud, _pbf, _screen, _slime
 from melt.check import _flood_values as _flood
 
 #: Parameter tuples with values that exercise every term.
@@ -87,6 +87,13 @@ TUPLES = {
     "basin": (P.Basin, _flood.BASIN),
     "friction": (P.Friction, _flood.FRICTION),
     "sampling": (P.Sampling, _flood.SAMPLING),
+    "period": (P.Period, _slime.PERIOD),
+    "dfsph": (P.Dfsph, _slime.DFSPH),
+    "poisson": (P.Poisson, _slime.POISSON),
+    "viscous": (P.Viscous, _slime.VISCOUS),
+    "ghosts": (P.Ghosts, _slime.GHOSTS),
+    "apic": (P.Apic, _slime.APIC),
+    "elastic": (P.Elastic, _slime.ELASTIC),
     "view": (P.View, _screen.VIEW),
     "splat": (P.Splat, _screen.SPLAT),
     "filter": (P.Filter, _screen.FILTER),
@@ -126,6 +133,7 @@ SCALARS = {
     "along": 0,
     "longest": 0.9,
     "deviation": 1.7,
+    "shift": 0.01,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.
@@ -156,6 +164,9 @@ SWITCHES = {
     "reconstruction": {"correct": (0, 1), "temperature": (0, 1)},
     **_flood.SWITCHES,
     "optics": {"mapped": (0, 1)},
+    "poisson": {"clamp": (0, 1)},
+    "viscous": {"law": (0, 1, 2), "gamma": (0.0, 10.0)},
+    "apic": {"affine": (0, 1), "literal": (0, 1), "flip": (0.0, 0.1)},
 }
 
 #: Extra variants of single stages.

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _flood, _flood_values, _pbf, _screen, _sites, _thermal
+from melt.check import _boiling, _cloud, _flood, _flood_values, _pbf, _screen, _sites, _slime, _thermal
 from melt.check._choices import EXTRA, LEAST, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
@@ -70,6 +70,7 @@ def scales(n):
         bubble_push=mass * speed * volume,
         specific_heat=4187.0,
         latent_heat=3e4,
+        **_slime.SCALES,
         **{name: _flood_values.SCALES[name] for name in ("depth", "area", "curvature", "flux")},
     )
 
@@ -140,6 +141,7 @@ def _sizes(arrays, grid):
         nucleus=arrays["nucleus_sites"].shape[1],
         reduction=64,
         table=arrays["kernel_scale"].shape[1],
+        **_slime.sizes(grid),
         bin=len(arrays["height_bins"]),
         column=grid["nx"] * grid["ny"],
         voxel=_boiling.VOXELS,
@@ -187,6 +189,8 @@ def _adapted(stage_name, arrays, grid, choice):
         return _flood.adapted(arrays, choice)
     if choice.get("bubbles", STAGES[stage_name].file in _boiling.FILES):
         arrays = _boiling.with_bubbles(arrays, grid)
+    if STAGES[stage_name].file in _slime.FILES:
+        arrays = {**arrays, **_slime.fields(arrays, np.random.default_rng(len(arrays["phase"])))}
     if stage_name == "fill_regions":
         arrays = _sites.after_melting(arrays)
     if stage_name == "mark_frozen":

@@ -1,4 +1,4 @@
 """Numbers of the field ``phase``."""
 
-LIQUID, SOLID, WALL, BUBBLE, VAPOUR, INACTIVE, AIRBORNE = range(7)
-PHASE_NAMES = ("liquid", "solid", "wall", "bubble", "vapour", "inactive", "airborne")
+LIQUID, SOLID, WALL, BUBBLE, VAPOUR, INACTIVE, AIRBORNE, DRIVEN = range(8)
+PHASE_NAMES = ("liquid", "solid", "wall", "bubble", "vapour", "inactive", "airborne", "driven")

@@ -1,4 +1,4 @@
-"""Smoothing functions with support h, normalised in three dimensions. Melting spec 2.1.
+"""Smoothing functions with support h, normalised in three dimensions or in the plane. Melting spec 2.1, slime spec 0.
 
 All take r >= 0 [m] and the `melt.params.Smoothing` tuple and return 0 beyond the support
 without a branch: (1 - q) is clamped instead. The choice of function is loop-invariant, so
@@ -13,7 +13,7 @@ from melt.params import CUBIC, L_BROOK_REGULAR, L_VISC, WENDLAND2
 
 @scalar
 def W(r, smoothing):
-    """Return W(r) [1/m^3]: cubic spline, Wendland C2 or poly6."""
+    """Return W(r) [1/m^3; 1/m^2 in the plane]: cubic spline, Wendland C2, or poly6 (three dimensions only)."""
     real = type(r)
     h = smoothing.support
     q = r * (real(1) / h)  # the reciprocal leaves the neighbour loop, a division by h would not
@@ -21,10 +21,14 @@ def W(r, smoothing):
     if smoothing.kernel == CUBIC:
         # 8/(pi h^3) (6q^3 - 6q^2 + 1 | 2(1-q)^3) in one branch-free form
         b = max(real(0.5) - q, real(0))
-        return real(16 / math.pi) / (h * h * h) * (a * a * a - real(4) * b * b * b)
+        flat = smoothing.dimension == 2
+        scale = real(80 / (7 * math.pi)) / (h * h) if flat else real(16 / math.pi) / (h * h * h)
+        return scale * (a * a * a - real(4) * b * b * b)
     if smoothing.kernel == WENDLAND2:
         a2 = a * a
-        return real(21 / (2 * math.pi)) / (h * h * h) * a2 * a2 * (real(4) * q + real(1))
+        flat = smoothing.dimension == 2
+        scale = real(7 / math.pi) / (h * h) if flat else real(21 / (2 * math.pi)) / (h * h * h)
+        return scale * a2 * a2 * (real(4) * q + real(1))
     a = max(real(1) - q * q, real(0))
     return real(315 / (64 * math.pi)) / (h * h * h) * a * a * a
 
@@ -36,14 +40,17 @@ def dW(r, smoothing):
     h = smoothing.support
     q = r * (real(1) / h)
     a = max(real(1) - q, real(0))
-    h4 = h * h * h * h
+    h3 = h * h * h
+    flat = smoothing.dimension == 2
     if smoothing.kernel == CUBIC:
         # min(q, a) = a - 2b without its cancellation: W'/r stays exact as r -> 0
         b = max(real(0.5) - q, real(0))
-        return real(-48 / math.pi) / h4 * min(q, a) * (a + real(2) * b)
+        scale = real(-240 / (7 * math.pi)) / h3 if flat else real(-48 / math.pi) / (h3 * h)
+        return scale * min(q, a) * (a + real(2) * b)
     if smoothing.kernel == WENDLAND2:
-        return real(-210 / math.pi) / h4 * q * a * a * a
-    return real(-45 / math.pi) / h4 * a * a
+        scale = real(-140 / math.pi) / h3 if flat else real(-210 / math.pi) / (h3 * h)
+        return scale * q * a * a * a
+    return real(-45 / math.pi) / (h3 * h) * a * a
 
 
 @scalar

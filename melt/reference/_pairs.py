@@ -14,12 +14,14 @@ def W(r, smoothing):
     """Return W(r) [1/m^3]. Melting spec 2.1: 0 cubic, 1 Wendland C2, 2 poly6."""
     h = float(smoothing.support)
     q = np.asarray(r, dtype=np.float64) / h
+    flat = smoothing.dimension == 2
     if smoothing.kernel == 0:
-        s = 8 / (np.pi * h**3)
+        s = 40 / (7 * np.pi * h**2) if flat else 8 / (np.pi * h**3)
         inner = s * (6 * q**3 - 6 * q**2 + 1)
         return np.where(q <= 0.5, inner, np.where(q < 1, 2 * s * (1 - q) ** 3, 0.0))
     if smoothing.kernel == 1:
-        return np.where(q < 1, 21 / (2 * np.pi * h**3) * (1 - q) ** 4 * (4 * q + 1), 0.0)
+        s = 7 / (np.pi * h**2) if flat else 21 / (2 * np.pi * h**3)
+        return np.where(q < 1, s * (1 - q) ** 4 * (4 * q + 1), 0.0)
     return np.where(q < 1, 315 / (64 * np.pi * h**9) * (h**2 - (q * h) ** 2) ** 3, 0.0)
 
 
@@ -27,12 +29,14 @@ def dW(r, smoothing):
     """Return W'(r) [1/m^4]: of the cubic spline, Wendland C2, or spiky."""
     h = float(smoothing.support)
     q = np.asarray(r, dtype=np.float64) / h
+    flat = smoothing.dimension == 2
     if smoothing.kernel == 0:
-        s = 8 / (np.pi * h**4)
+        s = 40 / (7 * np.pi * h**3) if flat else 8 / (np.pi * h**4)
         inner = s * (18 * q**2 - 12 * q)
         return np.where(q <= 0.5, inner, np.where(q < 1, -6 * s * (1 - q) ** 2, 0.0))
     if smoothing.kernel == 1:
-        return np.where(q < 1, -210 / (np.pi * h**4) * q * (1 - q) ** 3, 0.0)
+        s = -140 / (np.pi * h**3) if flat else -210 / (np.pi * h**4)
+        return np.where(q < 1, s * q * (1 - q) ** 3, 0.0)
     return np.where(q < 1, -45 / (np.pi * h**6) * (h - q * h) ** 2, 0.0)
 
 

@@ -14,8 +14,8 @@ from melt.reference import _pairs
 KERNELS = (P.CUBIC, P.WENDLAND2, P.MUELLER)
 
 
-def make(real=np.float64, support=0.5, kernel=P.CUBIC, laplacian=P.L_VISC):
-    return P.make(P.Smoothing, real, support=support, kernel=kernel, laplacian=laplacian)
+def make(real=np.float64, support=0.5, kernel=P.CUBIC, laplacian=P.L_VISC, dimension=3):
+    return P.make(P.Smoothing, real, support=support, kernel=kernel, laplacian=laplacian, dimension=dimension)
 
 
 def integral(f, h):
@@ -31,6 +31,20 @@ def test_integral_is_one(kernel):
     assert integral(lambda r: S.W(r, s), 0.5) == pytest.approx(1, abs=1e-9)
     # by parts: the integral of -r/3 W' is the one of the function that W' belongs to
     assert integral(lambda r: -r / 3 * S.dW(r, s), 0.5) == pytest.approx(1, abs=1e-9)
+
+
+@pytest.mark.parametrize("kernel", (P.CUBIC, P.WENDLAND2))
+def test_integral_over_the_plane_is_one(kernel):
+    s = make(kernel=kernel, dimension=2)
+
+    def plane(f):
+        return sum(quad(lambda r: 2 * np.pi * r * f(r), a, b, epsabs=1e-13)[0] for a, b in ((0, 0.25), (0.25, 0.5)))
+
+    assert plane(lambda r: S.W(r, s)) == pytest.approx(1, abs=1e-9)
+    assert plane(lambda r: -r / 2 * S.dW(r, s)) == pytest.approx(1, abs=1e-9)
+    for r in (0.0, 0.1, 0.3, 0.6):
+        assert _pairs.W(r, s) == pytest.approx(S.W(r, s), abs=1e-12)
+        assert _pairs.dW(r, s) == pytest.approx(S.dW(r, s), abs=1e-11)
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
