@@ -15,10 +15,11 @@ EXTENTS = {
 
 TABLE = [
     # nodes: pairs
-    ("density_ratio", "particle", "real", "1", "one", "sum of V_j W over liquid and boundary, itself included: density over rest density"),
+    ("density_ratio", "particle", "real", "1", "one", "density over rest density, sum of V_j W over liquid and boundary, itself included"),
     ("completed_ratio", "particle", "real", "1", "one", "density ratio completed by air ghost particles, not above 1 by them"),
     ("pair_gradient", "3 particle neighbour", "real", "1/m", "inverse_spacing", "V_j grad W_ij of each neighbour of the list"),
-    ("dfsph_factor", "particle", "real", "kg/m", "dfsph_factor", "pressure times dt^2 per density error, alpha of DFSPH; 0: the particle has no pressure"),
+    ("dfsph_factor", "particle", "real", "kg/m", "dfsph_factor",
+     "pressure times dt^2 per density error (alpha of DFSPH); 0: it has no pressure"),
     ("held", "particle", "int", "1", "", "1 for liquid inside a nozzle, whose velocity is given"),
     # nodes: pressure
     ("compression_source", "particle", "real", "1", "one", "density error that the solve has to remove"),
@@ -38,7 +39,7 @@ TABLE = [
     # nodes: viscosity
     ("viscosity", "particle", "real", "Pa s", "viscosity", "dynamic viscosity mu"),
     ("shear_rate", "particle", "real", "1/s", "rate", "sqrt(2 D:D) of the velocity gradient"),
-    ("pair_shear", "3 particle neighbour", "real", "(kg/s)^(1/2)", "pair_shear", "w_ij = sqrt(k_ij) x_ij, the pair's force is -w (w . v_ij)"),
+    ("pair_shear", "3 particle neighbour", "real", "(kg/s)^(1/2)", "pair_shear", "w_ij = sqrt(k_ij) x_ij, force -w (w . v_ij)"),
     ("viscous_block", "6 particle", "real", "s/kg", "viscous_block", "inverse of the particle's diagonal block; 0: its velocity is given"),
     ("velocity_free", "3 particle", "real", "m/s", "speed", "velocity before viscosity acts"),
     ("dilation", "particle", "real", "Pa", "pressure", "gamma mu div v of the augmented Lagrangian"),
@@ -53,9 +54,11 @@ TABLE = [
     ("node_state", "particle", "int", "1", "", "1 for a node without mass, which takes part in nothing"),
     ("driver", "particle", "int", "1", "", "moving body of a driven particle, -1 for none"),
     ("driver_motion", "9 driver", "real", "m/s, 1/s, m", "speed", "velocity, spin and centre of a moving body"),
-    ("nozzle_place", "8 nozzle", "real", "m", "spacing", "centre of the outlet (3), direction (3), length and radius within which liquid is held"),
+    ("nozzle_place", "8 nozzle", "real", "m", "spacing",
+     "centre of the outlet (3), direction (3), length and radius within which liquid is held"),
     ("nozzle_speed", "nozzle", "real", "m/s", "speed", "speed of the liquid in it"),
-    ("slime_bounds", "3 reduction", "real", "m/s, 1/s, m", "speed", "largest speed of liquid, largest affine velocity, farthest miss of an arrival"),
+    ("slime_bounds", "3 reduction", "real", "m/s, 1/s, m", "speed",
+     "largest speed of liquid, largest affine velocity, farthest miss of an arrival"),
     # APIC particles
     ("apic_id", "apic", "int", "1", "", "permanent number of the APIC particle"),
     ("apic_phase", "apic", "int", "1", "", "0 active, 5 inactive"),

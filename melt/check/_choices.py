@@ -22,6 +22,7 @@ TUPLES = {
             density_factor=1.0015,
             minimum_volume=_cloud.SPACING**3,
             number_density=1,
+            central=0.7,
             gravity_x=0.3,
             gravity_y=-0.2,
             gravity_z=-9.81,
