@@ -50,6 +50,11 @@ def lattice_density(scene):
     return scene.particle_volume * total
 
 
+def calibration(scene):
+    """Return what volumes of incompressible liquids are divided by, so that the rest lattice has the rest density."""
+    return lattice_density(scene) if scene.incompressible else 1.0
+
+
 def smoothing_of(scene, real):
     """Return the `Smoothing` tuple of a scene."""
     return P.make(
@@ -179,7 +184,7 @@ def fluid_of(scene, sound_speed, real):
         mirror=s.mirror,
         clamp=int(f.clamp),
         density_factor=density_factor(scene),
-        minimum_volume=scene.particle_volume,
+        minimum_volume=scene.particle_volume / calibration(scene),
         number_density=int(s.density_form == "number"),
         central=f.central,
         gravity_x=scene.domain.gravity[0],

@@ -128,19 +128,18 @@ class Domain(Section):
 
     @model_validator(mode="after")
     def _box(self):
+        if self.dimensions == 2:
+            self.lower[1], self.upper[1] = -0.5 * self.spacing, 0.5 * self.spacing
         if any(a >= b for a, b in zip(self.lower, self.upper)):
             raise ValueError(f"upper {self.upper} must exceed lower {self.lower} along every axis")
-        flat = self.dimensions == 2
-        if flat:
-            self.lower[1], self.upper[1] = -0.5 * self.spacing, 0.5 * self.spacing
-            if "y" in self.periodic:
-                raise ValueError("periodic: in two dimensions there is no y, use x and z")
+        if self.dimensions == 2 and "y" in self.periodic:
+            raise ValueError("periodic: in two dimensions there is no y, use x and z")
         for axis in self.periodic:
             k = "xyz".index(axis)
             length = (self.upper[k] - self.lower[k]) / self.spacing
             if abs(length - round(length)) > 1e-6 or round(length) < 3:
                 raise ValueError(f"periodic axis {axis} is {length:g} spacings long: make it a whole number of at least 3")
-        open_ends = [side for side in SIDES if side[0] in self.periodic or (flat and side[0] == "y")]
+        open_ends = [side for side in SIDES if side[0] in self.periodic or (self.dimensions == 2 and side[0] == "y")]
         self.walls.sides = [side for side in self.walls.sides if side not in open_ends]
         return self
 

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from melt.constants import calibration
 from melt.errors import GeometryError
-from melt.physics.phases import DRIVEN, INACTIVE, LIQUID
+from melt.physics.phases import DRIVEN, INACTIVE, LIQUID, SOLID, WALL
 
 
 def disturb(scene, arrays):
@@ -95,6 +96,8 @@ def nozzle_arrays(scene):
 def slime_arrays(scene, arrays, moving, spare):
     """Return and change the arrays of an incompressible scene; ``moving`` are slices of particles, one per moving body."""
     disturb(scene, arrays)
+    solid = np.isin(arrays["phase"], (WALL, SOLID))
+    arrays["rest_volume"][solid] /= calibration(scene)
     driver = np.full(arrays["phase"].size, -1, np.int32)
     for number, body in enumerate(moving):
         arrays["phase"][body], driver[body] = DRIVEN, number

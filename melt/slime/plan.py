@@ -5,12 +5,13 @@ import math
 import numpy as np
 
 from melt import params as P
-from melt.constants import KERNELS, grid_of
+from melt.constants import KERNELS, calibration, grid_of
 from melt.errors import InputError
 from melt.slime.motion import Body
 
 LAWS = {"constant": P.VISCOSITY_CONSTANT, "arrhenius": P.VISCOSITY_ARRHENIUS, "exponential": P.VISCOSITY_EXPONENTIAL}
 AXES = "xyz"
+RELAX = 10  # passes that take the overlap out of a disordered start
 MOST_GHOST_POINTS = 200_000_000
 #: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
 ONLY_IF = {
@@ -75,6 +76,7 @@ def settings_of(scene, initial, precision):
         apic_capacity=initial["apic_id"].size if "apic_id" in initial else 0,
         elastic_speed=0.0 if scene.elastic is None else math.sqrt(scene.elastic.modulus / scene.fluid.density),
         design_speed=initial.top_speed,
+        relax=RELAX if scene.fluid.jitter > 0 else 0,
     )
     if v is not None:
         wide = precision == "double"
@@ -126,7 +128,7 @@ def params_of(scene, particles, real):
             rank=1e-3 * (s.apic.support * h) ** 2,
             orphan=1e-3 * (40 / (7 * math.pi) if dim == 2 else 8 / math.pi) / (s.apic.support * h) ** dim,
             massless=1e-12 * scene.fluid.density * d**dim,
-            rest_density=scene.fluid.density,
+            rest_density=scene.fluid.density * calibration(scene),
         )
     if scene.viscosity is not None:
         tuples["viscous"] = viscous_of(scene, real)

@@ -36,9 +36,9 @@ def divergence(do, dt):
     return _jacobi(do, dt, "divergence", do.settings.divergence_tolerance, 1)
 
 
-def density(do, dt):
+def density(do, dt, ratio=None):
     """Remove compression that is there, and what velocities would bring (S9)."""
-    do.density_source(completed_ratio="completed_ratio" if do.need.ghosts else "density_ratio", dt=dt)
+    do.density_source(completed_ratio=ratio or _ratio(do), dt=dt)
     if do.need.closed:  # no surface yields: only differences of density can be removed
         do.source_mean()
         total, count = np.asarray(do.read("source_sums"), np.float64).sum(axis=1)
