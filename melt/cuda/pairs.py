@@ -5,7 +5,7 @@ import math
 from melt._compile import cuda, cuda_kernel
 from melt.physics.period import wrap
 from melt.physics.phases import INACTIVE, LIQUID, SOLID
-from melt.physics.smoothing import W, dW_over_r
+from melt.physics.smoothing import W, dW
 
 
 @cuda_kernel
@@ -32,6 +32,7 @@ def _pair_gradient(
     if i >= phase.shape[0]:
         return
     real = type(smoothing.support)
+    least2 = real(1e-18) * smoothing.support * smoothing.support
     x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
     total = gx = gy = gz = squares = real(0)
     for k in range(min(neighbour_count[i], neighbour_index.shape[1])):
@@ -40,10 +41,11 @@ def _pair_gradient(
         y = real(wrap(y_i - position[1, j], period.length_y, period.inverse_y))
         z = real(wrap(z_i - position[2, j], period.length_z, period.inverse_z))
         r2 = x * x + y * y + z * z
-        c = volume[j] * dW_over_r(r2, smoothing)
+        r = math.sqrt(max(r2, least2))  # the floor keeps 1/r finite; what it gives is dropped
+        c = volume[j] * (dW(r, smoothing) / r if r2 > least2 else real(0))
         a, b, d = c * x, c * y, c * z
         pair_gradient[0, i, k], pair_gradient[1, i, k], pair_gradient[2, i, k] = a, b, d
-        total += volume[j] * W(math.sqrt(r2), smoothing)
+        total += volume[j] * W(r, smoothing)
         gx += a
         gy += b
         gz += d

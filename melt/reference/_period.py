@@ -10,11 +10,11 @@ def lengths(period):
 
 
 def nearest(d, period):
-    """Return differences d (3, ...) taken to the nearest image, in [-L/2, L/2) along a periodic axis."""
+    """Return differences d (3, ...) taken to the nearest image, at most L/2 long along a periodic axis."""
     length, _ = lengths(period)
     found = np.array(d, dtype=np.float64)
     for a in np.flatnonzero(length):
-        found[a] -= length[a] * np.floor(found[a] / length[a] + 0.5)
+        found[a] -= length[a] * np.rint(found[a] / length[a])
     return found
 
 
