@@ -27,6 +27,7 @@ TABLE = [
     ("pressure_acceleration", "3 particle", "real", "m/s^2", "acceleration", "acceleration by solver_pressure"),
     ("density_impulse", "particle", "real", "Pa s^2", "impulse", "pressure of the last density solve times dt^2"),
     ("divergence_impulse", "particle", "real", "Pa s^2", "impulse", "pressure of the last divergence solve times dt^2"),
+    ("compression_left", "particle", "real", "1", "one", "density error that an iteration found, 0 where negative or without pressure"),
     ("pressure_error", "3 reduction", "double", "1", "one", "sum and maximum of the density error left, and particles counted"),
     ("source_sums", "2 reduction", "double", "1", "one", "sum of compression_source, and particles counted"),
     ("pair_poisson", "particle neighbour", "real", "m", "spacing", "matrix entries s_ij of the pressure Poisson equation"),

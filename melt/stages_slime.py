@@ -27,7 +27,7 @@ LIST = [
     stage("pressure_start", "dfsph", "slime 2.7", "compression_source dfsph_factor density_impulse", "dfsph dt", "solver_pressure", FEW),
     stage("pressure_acceleration", "dfsph", "slime 2.7", f"volume mobility solver_pressure {PAIRS}", "", "pressure_acceleration", STIFF),
     stage("pressure_update", "dfsph", "slime 2.7", f"pressure_acceleration compression_source dfsph_factor {PAIRS} solver_pressure", "dfsph dt",
-           "solver_pressure pressure_error", STIFF),
+           "solver_pressure compression_left pressure_error", STIFF),
     stage("pressure_kick", "dfsph", "slime 2.7", "pressure_acceleration velocity", "dt", "velocity", FEW),
     stage("pressure_keep", "dfsph", "slime 2.7", "solver_pressure", "dt", "density_impulse", FEW),
     # ---- S7: ISPH
