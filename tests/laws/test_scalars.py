@@ -70,6 +70,7 @@ ARRAYS |= {"flood_forces.terrain": (99, None), "flood_control.terrain": (99, Non
 #: Pictures, and colour maps, of the screen-space renderer.
 ARRAYS |= {f"screen_light.{name}": ((5, 6), None) for name in ("image", "behind_depth", "screen_map")}
 ARRAYS |= {f"screen_light.{name}": ((3, 5, 6), None) for name in ("screen_value", "behind_colour")}
+ARRAYS |= {"viscous.viscous_block": ((6, 4), None)}
 #: Arguments that are tuples of numbers, by (module.function, argument): how many.
 NUMBERS = {
     ("polar.horn", "A"): 9,
