@@ -74,7 +74,7 @@ LIST = [
     stage("apic_to_nodes", "apic_nodes", "slime (1.3), (1.4)",
            "position phase apic_start apic_position apic_velocity apic_affine apic_mass apic_weight apic_centre", "grid period apic",
            "mass volume velocity node_state", STIFF, partial=True),
-    stage("massless_velocity", "apic_nodes", "slime 2.6", f"position node_state volume velocity {NEAR}", "smoothing period", "velocity", SUM, partial=True),
+    stage("massless_velocity", "apic_nodes", "slime 2.6", f"position phase node_state volume velocity {NEAR}", "smoothing period", "velocity", SUM, partial=True),
     stage("nodes_to_apic", "apic_back", "slime 2.3, S10",
            "position phase cell_start velocity velocity_kept apic_phase apic_position apic_weight apic_centre apic_inverse apic_velocity",
            "grid period apic fluid dt", "apic_velocity apic_affine", STIFF, partial=True),

@@ -1,7 +1,7 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _pbf, _screen, _slime, _slime_ghosts, _slime_solve
+from melt.check import _boiling, _cloud, _pbf, _screen, _slime, _slime_apic, _slime_ghosts, _slime_solve
 from melt.check import _flood_values as _flood
 
 #: Parameter tuples with values that exercise every term.
@@ -189,6 +189,7 @@ EXTRA = {
     **_flood.EXTRA,
     **_slime_solve.EXTRA,
     **_slime_ghosts.EXTRA,
+    **_slime_apic.EXTRA,
 }
 
 #: Particles that the variants of a stage need at least: one that boils needs four free slots.
@@ -197,5 +198,5 @@ LEAST = {"spawn_bubbles": 301}
 #: What stages need besides when there is no particle, or one.
 SMALL = {
     **{name: {"served": 0} for name in ("spawn_bubbles", "vapour_source", "condense")},
-    **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter", "enter")},
+    **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter", "enter", "emit_apic")},
 }

@@ -54,6 +54,9 @@ INTEGERS = {
     "coarse",
     "steps",
     "column",
+    "c_x",
+    "c_y",
+    "c_z",
 }
 #: Words of a random generator: uint64.
 WORDS = {"c0", "c1", "c2", "c3", "k0", "k1"}
@@ -88,6 +91,10 @@ NUMBERS = {
     ("polar._add_if", "total"): 4,
     ("polar._add_if", "v"): 4,
     ("polar._add_if", "q"): 4,
+    ("polar.eigen", "J"): 6,
+    ("apic.pseudo_inverse", "D"): 6,
+    ("apic.about_centre", "m"): 3,
+    ("apic.about_centre", "D"): 6,
     ("polar.solve_inertia", "J"): 6,
     ("polar.solve_inertia", "L"): 3,
     ("polar._dot", "a"): 3,

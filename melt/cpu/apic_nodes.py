@@ -1,0 +1,110 @@
+"""CPU twin of `melt.reference.apic_nodes`."""
+
+import math
+
+import numpy as np
+
+from melt._compile import cpu_helper, cpu_stage, prange
+from melt.cpu._apic import PAD, affine_sums, pad
+from melt.cpu._ranges import rows_around
+from melt.params import MASSLESS
+from melt.physics.period import wrap
+from melt.physics.phases import LIQUID
+from melt.physics.ranges import ROWS, cell_at
+from melt.physics.smoothing import W
+
+
+@cpu_helper
+def _copy_momentum(
+    row, rows, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre, apic, place, value,
+):
+    """Copy the APIC particles of the rows: m_p/S_p times 1, v_p - C_p c_p and C_p; return how many."""
+    real = type(apic.support)
+    slot = np.uint64(0)
+    for r in range(rows):
+        for p in range(np.uint64(row[r, 0]), np.uint64(row[r, 1])):
+            s = apic_weight[p]
+            share = apic_mass[p] / s if s > real(0) else real(0)
+            for a in range(3):
+                place[a, slot] = apic_position[a, p]
+            value[0, slot] = share
+            f = share if apic.affine != 0 else real(0)
+            for a in range(3):
+                c_x, c_y, c_z = f * apic_affine[3 * a, p], f * apic_affine[3 * a + 1, p], f * apic_affine[3 * a + 2, p]
+                value[4 + 3 * a, slot], value[5 + 3 * a, slot], value[6 + 3 * a, slot] = c_x, c_y, c_z
+                about = c_x * apic_centre[0, p] + c_y * apic_centre[1, p] + c_z * apic_centre[2, p]
+                value[1 + a, slot] = share * apic_velocity[a, p] - about
+            slot += np.uint64(1)
+    return np.int64(slot)
+
+
+@cpu_helper
+def _gather(
+    position, phase, apic_start, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre,
+    grid, period, apic, first, stop, mass, volume, velocity, node_state,
+):
+    """Do the work of the stage for particles first to stop - 1."""
+    real = type(apic.support)
+    row, last = np.empty((ROWS, 2), np.int64), np.int64(-1)
+    size, end = 4096, 0
+    place, value = np.empty((3, size), position.dtype), np.empty((13, size), mass.dtype)
+    for i in range(first, stop):
+        node_state[i] = 0
+        if phase[i] != LIQUID:
+            continue
+        x, y, z = position[0, i], position[1, i], position[2, i]
+        c_x, c_y, c_z = cell_at(x, y, z, grid)
+        cell = c_x + grid.nx * (c_y + grid.ny * c_z)
+        if cell != last:
+            rows, total = rows_around(apic_start, grid, period, c_x, c_y, c_z, row)
+            if total + PAD > size:  # a crowded cell
+                size = 2 * (total + PAD)
+                place, value = np.empty((3, size), position.dtype), np.empty((13, size), mass.dtype)
+            count = _copy_momentum(
+                row, rows, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre, apic, place, value,
+            )
+            end, last = pad(place, value, count), cell
+        m, u, v, w = affine_sums(place, value, end, x, y, z, period, apic)
+        if m < apic.massless:
+            node_state[i] = MASSLESS
+            mass[i], volume[i] = real(0), real(0)
+        else:
+            mass[i], volume[i] = m, m / apic.rest_density
+            velocity[0, i], velocity[1, i], velocity[2, i] = u / m, v / m, w / m
+
+
+@cpu_stage
+def apic_to_nodes(
+    position, phase, apic_start, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre,
+    grid, period, apic, mass, volume, velocity, node_state,
+):
+    """See `melt.reference.apic_nodes.apic_to_nodes`."""
+    n = phase.shape[0]
+    for chunk in prange(64):
+        piece = (chunk * 37) % 64
+        _gather(
+            position, phase, apic_start, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre,
+            grid, period, apic, piece * n // 64, (piece + 1) * n // 64, mass, volume, velocity, node_state,
+        )
+
+
+@cpu_stage
+def massless_velocity(position, phase, node_state, volume, neighbour_count, neighbour_index, smoothing, period, velocity):
+    """See `melt.reference.apic_nodes.massless_velocity`."""
+    real = type(smoothing.support)
+    for i in prange(phase.shape[0]):
+        if node_state[i] != MASSLESS:
+            continue
+        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+        s = u = v = w = real(0)
+        for k in range(np.uint64(neighbour_count[i])):
+            j = np.uint64(neighbour_index[i, k])
+            x = real(wrap(x_i - position[0, j], period.length_x, period.inverse_x))
+            y = real(wrap(y_i - position[1, j], period.length_y, period.inverse_y))
+            z = real(wrap(z_i - position[2, j], period.length_z, period.inverse_z))
+            counts = phase[j] == LIQUID and node_state[j] == 0 and volume[j] > real(0)
+            share = volume[j] * W(math.sqrt(x * x + y * y + z * z), smoothing) if counts else real(0)
+            s += share
+            u, v, w = u + share * velocity[0, j], v + share * velocity[1, j], w + share * velocity[2, j]
+        if s > real(0):
+            velocity[0, i], velocity[1, i], velocity[2, i] = u / s, v / s, w / s
