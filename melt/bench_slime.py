@@ -17,7 +17,8 @@ SIZES = (10_648, 59_319, 195_112)
 SPACING, DT, SPLASH = 0.05, 0.004, 0.64
 PRESSURE = ("pressure_acceleration", "pressure_update")
 VISCOUS = ("viscous_apply", "viscous_step", "viscous_turn", "dilation")
-HEADER = f"{'liquid':>9}{'wall':>9}{'nbrs':>6}{'mu':>6}{'ms/step':>9}{'its p+div':>11}{'its visc':>9}{'ms/it p':>9}{'ms/it v':>9}{'lists':>8}{'error':>9}"
+_COLUMNS = zip("liquid wall nbrs mu ms/step its:p+div its:visc ms/it:p ms/it:v lists error".split(), (9, 9, 6, 6, 9, 11, 9, 9, 9, 8, 9))
+HEADER = "".join(f"{name.replace(':', ' '):>{width}}" for name, width in _COLUMNS)
 
 
 def dam(particles, mu=0.0, precision="single", support=2.0, stokes="split"):

@@ -54,7 +54,7 @@ def bench(
     iterations: Annotated[
         int | None, typer.Option("--pbf", min=1, max=255, help="Iterations: time a dam break of the position based fluid.")
     ] = None,
-    dfsph: Annotated[bool, typer.Option("--dfsph", help="Time a splashing dam break of DFSPH, without and with implicit viscosity.")] = False,
+    dfsph: Annotated[bool, typer.Option("--dfsph", help="Time a splashing dam break of DFSPH, then with viscosity.")] = False,
     flood: Annotated[bool, typer.Option("--flood", help="Time shallow water that runs apart over hills.")] = False,
     support: Annotated[float, typer.Option("--support", min=1.6, max=6, help="Support radius of --pbf and --dfsph in spacings.")] = 2.0,
     render: Annotated[bool, typer.Option("--render", help="Time the screen-space renderer, at the first PARTICLES.")] = False,

@@ -19,7 +19,6 @@ ONLY_IF = {
     "ghosts": ("ghost_laplacian",),
     "augmented": ("dilation", "viscous_pressure"),
     "shears": ("shear_rate",),
-    "nozzles": ("held",),
     "poisson": ("poisson_pressure",),
     "viscosity": ("viscous_pressure",),
 }

@@ -170,7 +170,9 @@ def boundaries(do, dt):
 def air(do):
     """Seed air ghost particles beyond the free surface, and complete the density by them (S5a). Spec 2.8."""
     do.ghost_candidates()
-    for k in range(ROUNDS):
+    rounds = 0
+    while rounds < ROUNDS:
+        rounds += 1
         do.ghost_round()
         do.swap("ghost_state", "ghost_state_next")
         if do.recording or int(np.asarray(do.read("ghost_left")).sum()) == 0:
@@ -183,7 +185,7 @@ def air(do):
     do.ghost_volume()
     do.ghost_complete()
     do.note("ghosts", count)
-    do.note("ghost_rounds", k + 1)
+    do.note("ghost_rounds", rounds)
 
 
 def push(do, dt):
