@@ -1,12 +1,12 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _pbf, _screen, _slime
+from melt.check import _boiling, _cloud, _pbf, _screen, _slime, _slime_motion
 from melt.check import _flood_values as _flood
 
 #: Parameter tuples with values that exercise every term.
 TUPLES = {
-    "smoothing": (P.Smoothing, dict(support=_cloud.SUPPORT, kernel=P.CUBIC, laplacian=P.L_VISC)),
+    "smoothing": (P.Smoothing, dict(support=_cloud.SUPPORT, kernel=P.CUBIC, laplacian=P.L_VISC, dimension=3)),
     "grid": (P.Grid, {}),  # from the cloud
     "fluid": (
         P.Fluid,
@@ -186,6 +186,7 @@ EXTRA = {
     **{name: [{"along": 1}] for name in ("bilateral_pass", "narrow_pass", "screen_blur")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
     **_flood.EXTRA,
+    **_slime_motion.EXTRA,
 }
 
 #: Particles that the variants of a stage need at least: one that boils needs four free slots.

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _flood, _flood_values, _pbf, _screen, _sites, _slime, _thermal
+from melt.check import _boiling, _cloud, _flood, _flood_values, _pbf, _screen, _sites, _slime, _slime_motion, _thermal
 from melt.check._choices import EXTRA, LEAST, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
@@ -191,6 +191,7 @@ def _adapted(stage_name, arrays, grid, choice):
         arrays = _boiling.with_bubbles(arrays, grid)
     if STAGES[stage_name].file in _slime.FILES:
         arrays = {**arrays, **_slime.fields(arrays, np.random.default_rng(len(arrays["phase"])))}
+        arrays = _slime_motion.adapted(STAGES[stage_name], arrays, grid, choice)
     if stage_name == "fill_regions":
         arrays = _sites.after_melting(arrays)
     if stage_name == "mark_frozen":
