@@ -1,7 +1,7 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _pbf, _screen, _slime, _slime_apic, _slime_ghosts, _slime_solve
+from melt.check import _boiling, _cloud, _pbf, _screen, _slime, _slime_apic, _slime_ghosts, _slime_motion, _slime_solve
 from melt.check import _flood_values as _flood
 
 #: Parameter tuples with values that exercise every term.
@@ -190,6 +190,7 @@ EXTRA = {
     **_slime_solve.EXTRA,
     **_slime_ghosts.EXTRA,
     **_slime_apic.EXTRA,
+    **_slime_motion.EXTRA,
 }
 
 #: Particles that the variants of a stage need at least: one that boils needs four free slots.

@@ -21,6 +21,7 @@ from melt.check import (
     _slime,
     _slime_apic,
     _slime_ghosts,
+    _slime_motion,
     _slime_solve,
     _thermal,
 )
@@ -205,6 +206,7 @@ def _adapted(stage_name, arrays, grid, choice):
     if STAGES[stage_name].file in _slime.FILES:
         arrays = {**arrays, **_slime.fields(arrays, np.random.default_rng(len(arrays["phase"])))}
         arrays = _slime_solve.adapted(arrays, choice)
+        arrays = _slime_motion.adapted(STAGES[stage_name], arrays, grid, choice)
         arrays = _slime_apic.with_particles(arrays, grid, STAGES[stage_name].file, "length_x" in choice)
     if STAGES[stage_name].file in _slime_ghosts.FILES:
         arrays = _slime_ghosts.adapted(arrays, grid, choice)

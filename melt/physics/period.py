@@ -21,6 +21,12 @@ def wrap(d, length, inverse):
 
 
 @scalar
+def missed(start, step, arrival, length, inverse):
+    """Return start + step - arrival along an axis to the nearest image, with the difference of the large numbers first."""
+    return wrap((start - arrival) + step, length, inverse)
+
+
+@scalar
 def into_box(x, lower, length, inverse):
     """Return coordinate x moved by whole lengths into [lower, lower + length); x itself for length 0."""
     wide = type(x)
