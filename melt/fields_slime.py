@@ -31,6 +31,7 @@ TABLE = [
     ("pressure_error", "3 reduction", "double", "1", "one", "sum and maximum of the density error left, and particles counted"),
     ("source_sums", "2 reduction", "double", "1", "one", "sum of compression_source, and particles counted"),
     ("pair_poisson", "particle neighbour", "real", "m", "spacing", "matrix entries s_ij of the pressure Poisson equation"),
+    ("poisson_ghost", "particle", "real", "m", "spacing", "share of air ghost particles in its diagonal"),
     ("poisson_diagonal", "particle", "real", "m", "spacing", "its diagonal; 0: the particle has no pressure"),
     ("poisson_pressure", "particle", "real", "Pa", "pressure", "pressure of the Poisson equation"),
     ("poisson_residual", "particle", "real", "N/m", "poisson", "residual"),
@@ -40,7 +41,7 @@ TABLE = [
     # nodes: viscosity
     ("viscosity", "particle", "real", "Pa s", "viscosity", "dynamic viscosity mu"),
     ("shear_rate", "particle", "real", "1/s", "rate", "sqrt(2 D:D) of the velocity gradient"),
-    ("pair_shear", "3 particle neighbour", "real", "(kg/s)^(1/2)", "pair_shear", "w_ij = sqrt(k_ij) x_ij, force -w (w . v_ij)"),
+    ("pair_shear", "3 particle neighbour", "real", "(kg/s)^(1/2)", "pair_shear", "w = sqrt(k_ij) x_ij, a pair's force is -w (w . v_ij)"),
     ("viscous_block", "6 particle", "real", "s/kg", "viscous_block", "inverse of the particle's diagonal block; 0: its velocity is given"),
     ("velocity_free", "3 particle", "real", "m/s", "speed", "velocity before viscosity acts"),
     ("dilation", "particle", "real", "Pa", "pressure", "gamma mu div v of the augmented Lagrangian"),

@@ -98,6 +98,7 @@ def fields(arrays, rng):
         density_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         divergence_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         pair_poisson=s_ij,
+        poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
         poisson_diagonal=diagonal,
         poisson_pressure=np.where(act, rng.normal(size=n) * 3e3, 0.0),
         poisson_residual=np.where(act, rng.normal(size=n), 0.0),

@@ -69,4 +69,4 @@ def viscous_turn(viscous_residual, viscous_block, viscous_direction, viscous_sum
 
 def viscous_keep(dilation, viscous_pressure):
     r"""Write p -= \gamma D v, the multiplier's step of the augmented Lagrangian. (n,) [Pa] both."""
-    viscous_pressure[:] = np.subtract(viscous_pressure, dilation)
+    viscous_pressure[:] = viscous_pressure.astype(float) - dilation

@@ -33,6 +33,7 @@ LONG = {
     "rigid": "both the sites and the motion of a body and of its particles",
     "flood_force": "both partners' state, two supports of a pair, and the slope under the column",
     "viscous": "the right-hand side of the viscous solve: both velocities, both pressures, and the pairs",
+    "poisson": "the right-hand side of the pressure solve: motion, matrix and first guess",
     "flood_balanced": "as flood_force, with the bed of both partners, and walls and terrain in its closure",
 }
 
