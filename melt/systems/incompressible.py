@@ -42,7 +42,7 @@ def density(do, dt, ratio=None):
     if do.need.closed:  # no surface yields: only differences of density can be removed
         do.source_mean()
         total, count = np.asarray(do.read("source_sums"), np.float64).sum(axis=1)
-        do.shift_source(shift=-float(total / max(count, 1)))
+        do.shift_source(shift=float(total / max(count, 1)))
     return _jacobi(do, dt, "density", do.settings.density_tolerance, 2)
 
 
@@ -108,11 +108,13 @@ def viscous(do, dt):
 
 def _conjugate(do, name, tolerance, limit, apply):
     """Preconditioned conjugate gradients on the fields of ``name``; sums rows: r.z, p.Ap, next r.z, r.r, b.b."""
-    residual, k = 0.0, 0
+    residual, k, size = 0.0, 0, 0.0
     for k in range(limit + 1):
         if k % CHECK == 0 or k == limit:
             sums = np.asarray(do.read(f"{name}_sums"), np.float64).sum(axis=1)
-            residual = math.sqrt(sums[3] / sums[4]) if sums[4] > 0 else (0.0 if sums[3] == 0 else math.inf)
+            # of a liquid at rest only what moving walls bring is on the right-hand side: it is in the first residual
+            size = max(size, sums[4], sums[3] if k == 0 else 0.0)
+            residual = math.sqrt(sums[3] / size) if size > 0 else float(sums[3])
             if residual <= tolerance or not math.isfinite(residual) or k == limit:
                 break
         apply()

@@ -99,6 +99,7 @@ def gather(do):
     do.cell_sort(cell="apic_cell", order="apic_order", cell_start="apic_start", arrival="apic_arrival")
     do.reorder(APIC_CARRIED, "apic_order")
     do.apic_weights()
+    do.liquid_volume()  # of walls and bodies
     do.apic_to_nodes()
 
 
