@@ -7,16 +7,22 @@ from melt.check._cloud import LIQUID, RUNAWAY, SPACING, WALL, cell_of
 DRIVEN = 7
 #: Two periodic axes whose lengths are powers of two: whole lengths come off the runaway without rounding.
 PERIODS = dict(length_x=1.0, inverse_x=1.0, lower_x=0.0, length_z=2.0, inverse_z=0.5, lower_z=-0.5)
-#: Boxes of neighbour lists: 4 cells and the upper side open; 1 and 2 cells; 3 cells, the last one wider.
+#: Boxes of neighbour lists: 4 cells, beginning amid the cloud; 1 and 2 cells; 3 cells, the last one wider.
 BOXES = (
-    dict(length_x=2.0, inverse_x=0.5, length_z=2.0, inverse_z=0.5, lower_z=-0.5, nx=4, nz=4),
-    dict(length_x=1.0, inverse_x=1.0, length_y=0.5, inverse_y=2.0, length_z=8.0, inverse_z=0.125, lower_z=-0.5, nx=2, ny=1, nz=16),
-    dict(length_x=1.75, inverse_x=1 / 1.75, length_y=1.5, inverse_y=1 / 1.5, nx=3, ny=3),
+    dict(
+        length_x=2.0, inverse_x=0.5, lower_x=0.5, origin_x=0.5, nx=4,
+        length_z=2.0, inverse_z=0.5, lower_z=0.5, origin_z=0.5, nz=4,
+    ),
+    dict(
+        length_x=1.0, inverse_x=1.0, nx=2, length_y=0.5, inverse_y=2.0, ny=1,
+        length_z=8.0, inverse_z=0.125, lower_z=-0.5, nz=16,
+    ),
+    dict(length_x=1.75, inverse_x=1 / 1.75, nx=3, length_y=1.5, inverse_y=1 / 1.5, ny=3),
 )
 EXTRA = {
     **{name: [PERIODS] for name in ("advect", "slime_bounds")},
     "pair_gradient": [PERIODS, {"dimension": 2}, {"dimension": 2, "kernel": 1}],
-    "neighbours_periodic": [{"capacity": 20}, *({**box, "capacity": 160} for box in BOXES)],
+    "neighbours_periodic": [{"capacity": 20}, *({**each, "capacity": 160} for each in BOXES)],
 }
 
 
@@ -27,7 +33,9 @@ def _motion(arrays, rng):
     moving = (phase == WALL) & (rng.random(n) < 0.5)
     tilted = np.array([0.48, 0.6, -0.64])
     middle = x[:, phase == LIQUID].clip(0, 1).mean(axis=1) if (phase == LIQUID).any() else np.zeros(3)
-    place = np.array([[*middle, 0, 0, -1, 1.9 * SPACING, 1.6 * SPACING], [*(middle + 0.2), *tilted, 2.9 * SPACING, 1.3 * SPACING]])
+    place = np.array(
+        [[*middle, 0, 0, -1, 1.9 * SPACING, 1.6 * SPACING], [*(middle + 0.2), *tilted, 2.9 * SPACING, 1.3 * SPACING]]
+    )
     return dict(
         phase=np.where(moving, DRIVEN, phase),
         driver=np.where(moving, rng.integers(-1, 2, n), -1),
@@ -49,7 +57,8 @@ def _images(arrays, choice, rng):
 
 def _boxed(arrays, grid, choice):
     """Positions inside the box, in the order of its cells."""
-    x, phase, grid = arrays["position"].copy(), arrays["phase"], {**grid, **{k: v for k, v in choice.items() if k in grid}}
+    x, phase = arrays["position"].copy(), arrays["phase"]
+    grid = {**grid, **{k: v for k, v in choice.items() if k in grid}}
     for a, name in enumerate("xyz"):
         length, lower = choice.get(f"length_{name}", 0.0), choice.get(f"lower_{name}", 0.0)
         if length:

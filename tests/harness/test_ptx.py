@@ -46,6 +46,7 @@ LEDGERS = {
     "bubble_merge._merge_removed", "flood_guard._guard_sums", "flood_sources._seepage_sums", "flood_zones._zone_parts",
     "flood_zones._zone_totals",
 }
+LEDGERS |= {"dfsph._pressure_error", "dfsph_source._source_mean"}
 
 
 def test_single_precision_kernels_have_no_double_precision_instructions(single):
