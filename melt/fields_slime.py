@@ -80,9 +80,7 @@ TABLE = [
     ("apic_offset", "3 offset", "real", "m", "spacing", "place of an APIC particle relative to the node that it enters with"),
     ("apic_sums", "3 reduction", "double", "1, kg, 1", "one", "orphans, their mass, and active APIC particles"),
     # air ghost particles
-    ("ghost_state", "ghost_point", "int", "1", "", "0 none, 1 undecided candidate, 2 ghost, 3 dropped"),
-    ("ghost_state_next", "ghost_point", "int", "1", "", "state after a round of thinning (double buffer)"),
-    ("ghost_left", "reduction", "int", "1", "", "undecided candidates in 64 pieces"),
+    ("ghost_state", "ghost_point", "int", "1", "", "0 none, 1 candidate, 2 ghost, 3 dropped by thinning"),
     ("ghost_start", "cell", "int", "1", "", "first ghost of a cell; the last but one entry is their number"),
     ("ghost_position", "3 ghost", "position", "m", "spacing", "position"),
     ("ghost_volume", "ghost", "real", "m^3", "volume", "false volume"),

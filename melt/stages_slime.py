@@ -65,7 +65,7 @@ LIST = [
     stage("viscous_keep", "viscous_cg", "slime 2.11", "dilation viscous_pressure", "", "viscous_pressure", FEW),
     # ---- S5a: air ghost particles
     stage("ghost_candidates", "ghosts", "slime 2.8", "position phase volume cell_start", "grid smoothing period ghosts", "ghost_state", EXACT),
-    stage("ghost_round", "ghosts", "slime 2.8", "ghost_state", "grid period ghosts", "ghost_state_next ghost_left", EXACT),
+    stage("ghost_thin", "ghosts", "slime 2.8", "ghost_state", "grid period ghosts", "ghost_state", EXACT),
     stage("ghost_list", "ghosts", "slime 2.8", "ghost_state", "grid ghosts", "ghost_start chunk_sum", EXACT, scratch="chunk_sum"),
     stage("ghost_place", "ghosts", "slime 2.8", "ghost_state ghost_start", "grid ghosts", "ghost_position", FEW, partial=True),
     stage("ghost_volume", "ghost_sums", "slime 2.8", "position phase volume cell_start ghost_position ghost_start", "grid smoothing period", "ghost_volume", SUM, partial=True),

@@ -19,7 +19,7 @@ def periodic(n):
 #: Variants: the plane, a periodic box, and more ghosts than there is room for.
 FLAT = dict(flat=1, plane=0.71, dimension=2, volume=SPACING**2)
 EXTRA = {
-    **{name: [FLAT, periodic(301), periodic(900), {"n": 900}] for name in ("ghost_candidates", "ghost_round")},
+    **{name: [FLAT, periodic(301), periodic(900), {"n": 900}] for name in ("ghost_candidates", "ghost_thin")},
     **{name: [FLAT, {"room": 17}, {"room": 0}] for name in ("ghost_list", "ghost_place")},
     "ghost_volume": [periodic(301), periodic(900), {"room": 17}, {"room": 0}, {"dimension": 2}],
     "ghost_complete": [periodic(301), periodic(900), {"room": 17}, {"room": 0}, {"dimension": 2}],
@@ -55,7 +55,7 @@ def adapted(arrays, grid, choice):
     counts = np.array([grid["nx"], grid["ny"], grid["nz"]])
     cells = int(counts.prod())
     points = EDGE ** (2 if choice.get("flat") else 3)
-    state = rng.choice(4, cells * points, p=[0.62, 0.3, 0.05, 0.03])
+    state = rng.choice(4, cells * points, p=[0.5, 0.45, 0.02, 0.03])
     state[cells * points // 2 :][:points] = 0  # a cell without any
     if choice.get("flat"):  # none outside the layer of cells that holds the plane
         layer = np.arange(cells) // counts[0] % counts[1]
@@ -72,7 +72,6 @@ def adapted(arrays, grid, choice):
     return dict(
         arrays,
         ghost_state=state,
-        ghost_state_next=np.zeros_like(state),
         ghost_start=start,
         ghost_position=place,
         ghost_volume=rng.uniform(0.5, 1.5, room) * SPACING**3,

@@ -10,9 +10,10 @@ import math
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
+from melt.cpu._ghost_thin import thin_rows
 from melt.cpu._ghost_rows import buffers, cell_middle, copy_near, near_rows
 from melt.physics.ghosts import (
-    GHOST, NONE, UNDECIDED, in_box, jitter_units, next_state, point_coordinate, point_shift,
+    CANDIDATE, GHOST, NONE, in_box, jitter_units, point_coordinate, point_shift,
 )
 from melt.physics.search import axis_cell
 from melt.physics.smoothing import W
@@ -120,7 +121,7 @@ def _cell_candidates(c_x, c_y, c_z, c, layers, grid, smoothing, period, ghosts, 
         if free[p] and in_box(p_x[p], period.lower_x, period.length_x):
             if in_box(p_y[p], period.lower_y, period.length_y) and in_box(p_z[p], period.lower_z, period.length_z):
                 if _in_air(x, y, z, weight, liquids, p_x[p], p_y[p], p_z[p], smoothing, ghosts):
-                    state = UNDECIDED
+                    state = CANDIDATE
         ghost_state[c * size + p] = state
 
 
@@ -170,35 +171,18 @@ def ghost_candidates(position, phase, volume, cell_start, grid, smoothing, perio
         )
 
 
-@cpu_helper
-def _piece_round(ghost_state, grid, period, ghosts, ghost_state_next, first, stop):
-    """Write the next states of points from first to stop; return how many are undecided."""
-    undecided = np.int32(0)
-    for q in range(np.uint64(first), np.uint64(stop)):
-        ghost_state_next[q] = ghost_state[q]
-        undecided += np.int32(1) if ghost_state[q] == UNDECIDED else np.int32(0)
-    if undecided == 0:
-        return undecided
-    left = np.int32(0)
-    for q in range(first, stop):
-        if ghost_state[q] == UNDECIDED:
-            state = next_state(ghost_state, q, grid, period, ghosts)
-            ghost_state_next[q] = state
-            left += np.int32(1) if state == UNDECIDED else np.int32(0)
-    return left
-
-
 @cpu_stage
-def ghost_round(ghost_state, grid, period, ghosts, ghost_state_next, ghost_left):
-    """See `melt.reference.ghosts.ghost_round`."""
-    cells = np.int64(grid.nx) * grid.ny * grid.nz
-    size = np.int64(ghosts.across) * ghosts.across * (1 if ghosts.flat else ghosts.across)
-    for chunk in prange(PIECES):
-        piece = (chunk * 37) % PIECES
-        left = np.int32(0)
-        for c in range(cells * piece // PIECES, cells * (piece + 1) // PIECES):
-            left += _piece_round(ghost_state, grid, period, ghosts, ghost_state_next, c * size, c * size + size)
-        ghost_left[piece] = left
+def ghost_thin(grid, period, ghosts, ghost_state):
+    """See `melt.reference.ghosts.ghost_thin`. Cells of a turn do not see each other: threads share them."""
+    real = type(period.length_x)
+    turns_x = 3 if period.length_x > real(0) and grid.nx % 2 else 2
+    turns_y = 3 if period.length_y > real(0) and grid.ny % 2 else 2
+    turns_z = 3 if period.length_z > real(0) and grid.nz % 2 else 2
+    for turn in range(turns_x * turns_y * turns_z):
+        t_x, t_y, t_z = turn % turns_x, turn // turns_x % turns_y, turn // (turns_x * turns_y)
+        for chunk in prange(PIECES):
+            piece = (chunk * 37) % PIECES
+            thin_rows(ghost_state, grid, period, ghosts, t_x, t_y, t_z, piece, PIECES)
 
 
 @cpu_stage

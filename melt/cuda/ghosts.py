@@ -5,14 +5,13 @@ import math
 from melt._compile import cuda, cuda_kernel
 from melt.cuda._scan import inclusive_scan
 from melt.physics.ghosts import (
-    GHOST, NONE, UNDECIDED, in_box, next_state, point_coordinate, point_shift,
+    CANDIDATE, DROPPED, GHOST, NONE, UNITS, cell_turn, ghost_near, in_box, point_coordinate, point_shift, point_turn,
+    squared_units,
 )
 from melt.physics.period import near_cell, wrap
 from melt.physics.phases import LIQUID
 from melt.physics.search import axis_cell
 from melt.physics.smoothing import W
-
-PIECES = 64
 
 
 def _points(grid, ghosts):
@@ -68,7 +67,7 @@ def _ghost_candidates(position, phase, volume, cell_start, points, grid, smoothi
                 near += 1
                 fill += volume[j] * W(math.sqrt(r2), smoothing)
     if near > 0 and fill < ghosts.fill:
-        ghost_state[q] = UNDECIDED
+        ghost_state[q] = CANDIDATE
 
 
 def ghost_candidates(position, phase, volume, cell_start, grid, smoothing, period, ghosts, ghost_state):
@@ -80,31 +79,74 @@ def ghost_candidates(position, phase, volume, cell_start, grid, smoothing, perio
 
 
 @cuda_kernel
+def _drop(points, size, turn, grid, period, ghosts, ghost_state):
+    """Drop candidates of the cells whose turn it is that are too near to ghosts of earlier turns."""
+    q = cuda.grid(1)
+    if q >= points or ghost_state[q] != CANDIDATE:
+        return
+    c = q // size
+    if cell_turn(c % grid.nx, grid.nx, period.length_x) != turn % 3:
+        return
+    if cell_turn(c // grid.nx % grid.ny, grid.ny, period.length_y) != turn // 3 % 3:
+        return
+    if cell_turn(c // (grid.nx * grid.ny), grid.nz, period.length_z) != turn // 9:
+        return
+    if ghost_near(ghost_state, q, grid, period, ghosts):
+        ghost_state[q] = DROPPED
+
+
+@cuda_kernel
+def _take(cells, size, turn, grid, period, ghosts, ghost_state):
+    """Take the candidates that are left in a cell one after the other; only those of the cell see each other."""
+    c = cuda.grid(1)
+    if c >= cells or cell_turn(c % grid.nx, grid.nx, period.length_x) != turn % 3:
+        return
+    if cell_turn(c // grid.nx % grid.ny, grid.ny, period.length_y) != turn // 3 % 3:
+        return
+    if cell_turn(c // (grid.nx * grid.ny), grid.nz, period.length_z) != turn // 9:
+        return
+    across = ghosts.across
+    layers = 1 if ghosts.flat else across
+    limit = squared_units(ghosts)
+    for m in range(size):
+        p = point_turn(c, m, size, across, ghosts)
+        q = c * size + p
+        if ghost_state[q] != CANDIDATE:
+            continue
+        ghost_state[q] = GHOST
+        s_x, s_y, s_z = point_shift(q, ghosts)
+        i, j, k = p % across, p // across % layers, p // (across * layers)
+        for o in range(size):
+            if ghost_state[c * size + o] != CANDIDATE:
+                continue
+            x, y, z = point_shift(c * size + o, ghosts)
+            x += (o % across - i) * UNITS - s_x
+            y += (o // across % layers - j) * UNITS - s_y
+            z += (o // (across * layers) - k) * UNITS - s_z
+            if x * x + y * y + z * z < limit:
+                ghost_state[c * size + o] = DROPPED
+
+
+def ghost_thin(grid, period, ghosts, ghost_state):
+    """See `melt.reference.ghosts.ghost_thin`. Cells in up to 27 turns, two launches each."""
+    size, points = _points(grid, ghosts)
+    axes = [
+        3 if length > 0 and count % 2 else 2
+        for count, length in (
+            (int(grid.nx), period.length_x), (int(grid.ny), period.length_y), (int(grid.nz), period.length_z),
+        )
+    ]
+    for turn in range(27):
+        if turn % 3 < axes[0] and turn // 3 % 3 < axes[1] and turn // 9 < axes[2]:
+            _drop.launch(points, points, size, turn, grid, period, ghosts, ghost_state)
+            _take.launch(points // size, points // size, size, turn, grid, period, ghosts, ghost_state)
+
+
+@cuda_kernel
 def _clear(values):
     k = cuda.grid(1)
     if k < values.shape[0]:
         values[k] = 0
-
-
-@cuda_kernel
-def _ghost_round(ghost_state, points, size, grid, period, ghosts, ghost_state_next, ghost_left):
-    q = cuda.grid(1)
-    if q >= points:
-        return
-    state = ghost_state[q]
-    if state == UNDECIDED:
-        state = next_state(ghost_state, q, grid, period, ghosts)
-        if state == UNDECIDED:  # counted with integers: the order does not matter
-            cells = points // size
-            cuda.atomic.add(ghost_left, (PIECES * (q // size + 1) - 1) // cells, 1)
-    ghost_state_next[q] = state
-
-
-def ghost_round(ghost_state, grid, period, ghosts, ghost_state_next, ghost_left):
-    """See `melt.reference.ghosts.ghost_round`."""
-    size, points = _points(grid, ghosts)
-    _clear.launch(ghost_left.shape[0], ghost_left)
-    _ghost_round.launch(points, ghost_state, points, size, grid, period, ghosts, ghost_state_next, ghost_left)
 
 
 @cuda_kernel

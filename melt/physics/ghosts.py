@@ -1,8 +1,8 @@
-"""Lattice of ghost candidates, its hash, and one round of thinning. Slime spec 2.8, 3.
+"""Lattice of ghost candidates, its hash, and the order of thinning. Slime spec 2.8, 3.
 
 Places on the lattice are counted in 1/128 of its pitch, as integers: which points are closer than a distance
-never depends on rounding, and all backends thin the same way. A point's jitter and priority are functions of
-its number and the seed alone.
+never depends on rounding, and all backends thin the same way. A point's jitter and turn are
+functions of its number and the seed alone.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 from melt._compile import scalar, scalar_lookup
 
 UNITS = 128  # in a pitch
-NONE, UNDECIDED, GHOST, DROPPED = range(4)  # values of ghost_state
+NONE, CANDIDATE, GHOST, DROPPED = range(4)  # values of ghost_state
 
 
 @scalar
@@ -25,7 +25,7 @@ def mixed(c0):
 
 @scalar
 def point_word(id, number, seed_low, seed_high):
-    """Return draw ``number`` (0 jitter, 1 priority) of a lattice point, 64 bits; seeds are int32 bit patterns."""
+    """Return draw ``number`` (0 jitter of a point, 1 order of a cell), 64 bits; seeds are int32 bit patterns."""
     low = np.uint64(0xFFFFFFFF)
     key = ((np.uint64(seed_high) & low) << np.uint64(32)) | (np.uint64(seed_low) & low)
     place = np.uint64(2) * np.uint64(id) + np.uint64(number) + np.uint64(1)
@@ -85,12 +85,6 @@ def in_box(x, lower, length):
 
 
 @scalar
-def zigzag(k):
-    """Return 0, -1, 1, -2, 2, ... for k = 0, 1, 2, ...: what is near comes first."""
-    return -((k + 1) // 2) if k % 2 else k // 2
-
-
-@scalar
 def moved_point(cell, row, k, count, across, length):
     """Return (cell, point within it, seams crossed) k lattice points on along one axis; cell -1: outside."""
     row = np.int64(row) + np.int64(k)
@@ -119,19 +113,23 @@ def least_square(k, most):
 
 
 @scalar
-def beats(c0, i, c1, j):
-    """Return whether point i with priority c0 goes before point j with c1."""
-    return c0 > c1 or (c0 == c1 and i < j)
+def cell_turn(cell, count, length):
+    """Return when a cell's turn comes along one axis: neighbours, those across a seam too, never have the same."""
+    return 2 if length > type(length)(0) and count % 2 and cell == count - 1 else cell % 2
+
+
+@scalar
+def point_turn(id, k, size, across, ghosts):
+    """Return the k-th point, from 0 to size - 1, that a cell takes in its turn: a stride without a common divisor."""
+    word = point_word(id, 1, ghosts.seed_low, ghosts.seed_high)
+    part = np.uint64(0x7FFFFFFF)
+    start, rows = np.int64(word & part) % size, np.int64((word >> np.uint64(32)) & part) % size
+    return (start + np.int64(k) * (rows * across + 1)) % size
 
 
 @scalar_lookup
-def next_state(ghost_state, id, grid, period, ghosts):
-    """Return the state of the undecided point ``id`` after a round.
-
-    It waits while an undecided point nearer than the distance goes before it; then it is dropped if a ghost
-    is nearer, and is a ghost if none is. Decided like this, the set is the one that taking points by their
-    priority one after the other gives, in whatever order and however often points are looked at.
-    """
+def ghost_near(ghost_state, id, grid, period, ghosts):
+    """Return whether a ghost is nearer than the distance to the point ``id``."""
     across = np.int64(ghosts.across)
     layers = np.int64(1) if ghosts.flat else across
     size = across * layers * across
@@ -141,41 +139,30 @@ def next_state(ghost_state, id, grid, period, ghosts):
     most, limit = jitter_units(ghosts), squared_units(ghosts)
     gap_x, gap_y = gap_units(period.length_x, grid.nx, ghosts), gap_units(period.length_y, grid.ny, ghosts)
     gap_z = gap_units(period.length_z, grid.nz, ghosts)
-    word = point_word(id, 1, ghosts.seed_low, ghosts.seed_high)
     x, y, z = point_shift(id, ghosts)
-    reach = np.int64(1)
-    while least_square(reach, most) < limit:
+    reach = np.int64(0)
+    while least_square(reach + 1, most) < limit:
         reach += 1
-    rows = 1 if ghosts.flat else 2 * reach - 1
-    state = GHOST
-    for a in range(2 * reach - 1):
-        o_z = zigzag(a)
+    for o_z in range(-reach, reach + 1):
         m_z, k_z, seam_z = moved_point(c_z, k, o_z, grid.nz, across, period.length_z)
-        for b in range(rows if m_z >= 0 else 0):
-            o_y = zigzag(b)
+        for o_y in range(0 if ghosts.flat else -reach, 1 if ghosts.flat else reach + 1):
             m_y, k_y, seam_y = moved_point(c_y, j, o_y, grid.ny, layers, period.length_y)
-            floor = least_square(o_z, most) + least_square(o_y, most)
-            for d in range(2 * reach - 1 if m_y >= 0 and floor < limit else 0):
-                o_x = zigzag(d)
+            if m_y < 0 or m_z < 0 or least_square(o_z, most) + least_square(o_y, most) >= limit:
+                continue
+            for o_x in range(-reach, reach + 1):
                 m_x, k_x, seam_x = moved_point(c_x, i, o_x, grid.nx, across, period.length_x)
                 if m_x < 0:
                     continue
                 q = (m_x + grid.nx * (m_y + grid.ny * m_z)) * size + k_x + across * (k_y + layers * k_z)
-                other = ghost_state[q]
-                if q == id or (other != UNDECIDED and other != GHOST):
-                    continue
-                first = other == UNDECIDED and beats(point_word(q, 1, ghosts.seed_low, ghosts.seed_high), q, word, id)
-                if other == UNDECIDED and not first:
+                if q == id or ghost_state[q] != GHOST:
                     continue
                 x_q, y_q, z_q = point_shift(q, ghosts)
                 d_x = o_x * UNITS + seam_x * gap_x + x_q - x
                 d_y = o_y * UNITS + seam_y * gap_y + y_q - y
                 d_z = o_z * UNITS + seam_z * gap_z + z_q - z
                 if d_x * d_x + d_y * d_y + d_z * d_z < limit:
-                    if first:
-                        return UNDECIDED
-                    state = DROPPED
-    return state
+                    return True
+    return False
 
 
 @scalar

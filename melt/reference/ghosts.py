@@ -5,9 +5,9 @@ jitter that is a hash of its number (in steps of 1/128 of the pitch, less than h
 ix + across (iy + across iz) of cell c has number c across^3 plus that; in two dimensions (`flat`) a cell has
 across^2 points ix + across iz, in the plane of the liquid.
 
-Of the candidates a maximal set is kept whose members are no nearer to each other than `distance`. It is
-found in rounds (Luby 1986) with priorities that are a hash, too: the set is that of taking the candidates by
-their priority one after the other, so it does not depend on who decides when.
+Of the candidates a maximal set is kept whose members are no nearer to each other than `distance`: they are
+taken in an order that is a hash, too. The spec thins in rounds by random priorities (Luby 1986); this order
+comes from cells in eight turns instead: one pass, no loop on the host, and as much freedom from the lattice.
 
 A periodic axis begins at the origin of the grid, and has at least two cells; where they do not fill it, the
 strip behind the last one has no points (choose the edge so that they do).
@@ -69,38 +69,54 @@ def ghost_candidates(position, phase, volume, cell_start, grid, smoothing, perio
         ghost_state[q] = np.where(keep, 1, 0)
 
 
-def ghost_round(ghost_state, grid, period, ghosts, ghost_state_next, ghost_left):
-    """Write the states after one round of thinning.
+def _turns(candidate, grid, period, ghosts):
+    """Return the candidates in the order in which they are taken."""
+    a, size = int(ghosts.across), cell_points(ghosts)
+    c, p = np.divmod(candidate, size)
+    counts = int(grid.nx), int(grid.ny), int(grid.nz)
+    turn = np.zeros(candidate.size, dtype=np.int64)
+    cells = c % counts[0], c // counts[0] % counts[1], c // (counts[0] * counts[1])
+    lengths = period.length_x, period.length_y, period.length_z
+    for axis in range(3):
+        last = (cells[axis] == counts[axis] - 1) & (lengths[axis] > 0) & (counts[axis] % 2 == 1)
+        turn += 3**axis * np.where(last, 2, cells[axis] % 2)
+    word = words(c, 1, ghosts)
+    start = (word & np.uint64(2**31 - 1)).astype(np.int64) % size
+    stride = (word >> np.uint64(32) & np.uint64(2**31 - 1)).astype(np.int64) % size * a + 1
+    place = np.empty(candidate.size, dtype=np.int64)
+    for k in range(size):  # the k-th point that a cell takes
+        place[(start + k * stride) % size == p] = k
+    return candidate[np.lexsort((place, c, turn))]
 
-    An undecided point (1) waits while an undecided one nearer than `distance` has a higher priority (64 bits;
-    of equal ones the lower number goes first). If none has, it is dropped (3) where a ghost (2) is nearer
-    than `distance`, and becomes a ghost where none is. Others keep their state. Distances are compared in
-    integers, the length of a periodic axis is rounded to 1/128 of the pitch.
 
-    Reads: ghost_state (points,). Writes: ghost_state_next (points,); ghost_left (64,), undecided points left
-        in the p-th 64th of the cells.
+def ghost_thin(grid, period, ghosts, ghost_state):
+    """Write which candidates become ghosts: 2, and which are dropped: 3.
+
+    Candidates are taken one after the other; one becomes a ghost unless a ghost is nearer than `distance`.
+    Their order: cells by their turn (even and odd along x, y, z; the last of an odd number of cells along a
+    periodic axis has a turn of its own), so that cells of one turn do not see each other; in a cell start,
+    start + stride, start + 2 stride, ... modulo its points, both by the hash of the cell. Distances are
+    compared in integers, the length of a periodic axis is rounded to 1/128 of the pitch.
+
+    Reads and writes: ghost_state (points,).
     """
     total = _cells(grid) * cell_points(ghosts)
     limit = int(np.ceil((float(ghosts.distance) / float(ghosts.pitch) * UNITS) ** 2))
     lengths = [
         round(float(a) / float(ghosts.pitch) * UNITS) for a in (period.length_x, period.length_y, period.length_z)
     ]
-    active = np.flatnonzero((ghost_state[:total] == 1) | (ghost_state[:total] == 2))
-    u, state, word = units(active, grid, ghosts), ghost_state[active], words(active, 1, ghosts)
-    ghost_state_next[:total] = ghost_state[:total]
-    for m in np.flatnonzero(state == 1):
-        d = u - u[:, m, None]
+    old = np.flatnonzero(ghost_state[:total] == 2)
+    order = _turns(np.flatnonzero(ghost_state[:total] == 1), grid, period, ghosts)
+    u = units(np.concatenate([old, order]), grid, ghosts)
+    ghost = np.arange(u.shape[1]) < old.size
+    for m, q in enumerate(order):
+        d = u[:, ghost] - u[:, old.size + m, None]
         for a, length in enumerate(lengths):
             if length:
                 d[a] -= length * np.floor(d[a] / length + 0.5).astype(np.int64)
-        near = (d**2).sum(axis=0) < limit
-        near[m] = False
-        first = (word > word[m]) | ((word == word[m]) & (active < active[m]))
-        if not (near & (state == 1) & first).any():
-            ghost_state_next[active[m]] = 3 if (near & (state == 2)).any() else 2
-    edges = np.arange(65) * _cells(grid) // 64 * cell_points(ghosts)
-    left = np.concatenate([[0], np.cumsum(ghost_state_next[:total] == 1)])
-    ghost_left[:] = left[edges[1:]] - left[edges[:-1]]
+        near = ((d**2).sum(axis=0) < limit).any()
+        ghost[old.size + m] = not near
+        ghost_state[q] = 3 if near else 2
 
 
 def ghost_list(ghost_state, grid, ghosts, ghost_start, chunk_sum):

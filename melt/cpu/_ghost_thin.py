@@ -1,0 +1,118 @@
+"""Thinning of the ghost candidates of one cell, in integers: ghosts mark the points that they rule out."""
+
+import numpy as np
+
+from melt._compile import cpu_helper
+from melt.physics.ghosts import (
+    CANDIDATE, DROPPED, GHOST, UNITS, cell_turn, gap_units, jitter_units, point_shift, point_turn, squared_units,
+)
+
+
+@cpu_helper
+def _lattice_range(u, reach, count):
+    """Return the first and the last of 0 .. count-1 whose lattice points (half a pitch on) are within reach of u."""
+    first = -((UNITS // 2 + reach - u) // UNITS)
+    return max(first, np.int64(0)), min((u + reach - UNITS // 2) // UNITS, np.int64(count - 1))
+
+
+@cpu_helper
+def _rule_out(u_x, u_y, u_z, p_x, p_y, p_z, base, across, layers, reach, limit, ghost_state):
+    """Drop the candidates of the cell that are too near to a ghost at (u_x, u_y, u_z)."""
+    i_0, i_1 = _lattice_range(u_x, reach, across)
+    k_0, k_1 = _lattice_range(u_z, reach, across)
+    if i_1 < i_0 or k_1 < k_0:
+        return
+    j_0, j_1 = np.int64(0), np.int64(0)
+    if layers > 1:
+        j_0, j_1 = _lattice_range(u_y, reach, layers)
+    for k in range(k_0, k_1 + 1):
+        for j in range(j_0, j_1 + 1):
+            line = across * (j + layers * k)
+            for p in range(np.uint64(line + i_0), np.uint64(line + i_1 + 1)):
+                d_x, d_y, d_z = np.int64(p_x[p]) - u_x, np.int64(p_y[p]) - u_y, np.int64(p_z[p]) - u_z
+                q = np.uint64(base) + p
+                if ghost_state[q] == CANDIDATE and d_x * d_x + d_y * d_y + d_z * d_z < limit:
+                    ghost_state[q] = DROPPED
+
+
+@cpu_helper
+def _neighbour(cell, k, count, length):
+    """Return (cell, seams crossed) of the cell k on along an axis; -1: none."""
+    m = cell + k
+    if 0 <= m < count:
+        return m, np.int64(0)
+    if not length > type(length)(0):
+        return np.int64(-1), np.int64(0)
+    return (m + count, np.int64(-1)) if m < 0 else (m - count, np.int64(1))
+
+
+@cpu_helper
+def _any(ghost_state, base, size, value):
+    found = np.int32(0)
+    for q in range(np.uint64(base), np.uint64(base + size)):
+        found += np.int32(1) if ghost_state[q] == value else np.int32(0)
+    return found > 0
+
+
+@cpu_helper
+def _thin_cell(ghost_state, c_x, c_y, c_z, grid, period, ghosts, p_x, p_y, p_z):
+    """Take the candidates of a cell that the ghosts around it leave, one after the other."""
+    across = np.int64(ghosts.across)
+    layers = np.int64(1) if ghosts.flat else across
+    size = across * layers * across
+    base = (c_x + np.int64(grid.nx) * (c_y + np.int64(grid.ny) * c_z)) * size
+    if not _any(ghost_state, base, size, CANDIDATE):
+        return
+    limit = squared_units(ghosts)
+    reach = np.int64(np.sqrt(np.float64(limit))) + np.int64(1) + jitter_units(ghosts)
+    gap_x, gap_y = gap_units(period.length_x, grid.nx, ghosts), gap_units(period.length_y, grid.ny, ghosts)
+    gap_z = gap_units(period.length_z, grid.nz, ghosts)
+    edge, half = across * UNITS, np.int64(UNITS // 2)
+    for p in range(size):
+        if ghost_state[base + p] == CANDIDATE or ghost_state[base + p] == GHOST:
+            x, y, z = point_shift(base + p, ghosts)
+            p_x[p] = p % across * UNITS + half + x
+            p_y[p] = p // across % layers * UNITS + half + y
+            p_z[p] = p // (across * layers) * UNITS + half + z
+    for n in range(27):
+        m_x, seam_x = _neighbour(c_x, n % 3 - 1, grid.nx, period.length_x)
+        m_y, seam_y = _neighbour(c_y, n // 3 % 3 - 1, grid.ny, period.length_y)
+        m_z, seam_z = _neighbour(c_z, n // 9 - 1, grid.nz, period.length_z)
+        if m_x < 0 or m_y < 0 or m_z < 0 or (ghosts.flat and m_y != c_y):
+            continue
+        other = (m_x + np.int64(grid.nx) * (m_y + np.int64(grid.ny) * m_z)) * size
+        if not _any(ghost_state, other, size, GHOST):
+            continue
+        o_x = (n % 3 - 1) * edge + seam_x * gap_x + half
+        o_y = (n // 3 % 3 - 1) * layers * UNITS + seam_y * gap_y + half
+        o_z = (n // 9 - 1) * edge + seam_z * gap_z + half
+        for q in range(size):
+            if ghost_state[other + q] == GHOST:
+                x, y, z = point_shift(other + q, ghosts)
+                x += o_x + q % across * UNITS
+                y += o_y + q // across % layers * UNITS
+                z += o_z + q // (across * layers) * UNITS
+                _rule_out(x, y, z, p_x, p_y, p_z, base, across, layers, reach, limit, ghost_state)
+    for m in range(size):
+        p = point_turn(c_x + grid.nx * (c_y + grid.ny * c_z), m, size, across, ghosts)
+        if ghost_state[base + p] == CANDIDATE:
+            ghost_state[base + p] = GHOST
+            _rule_out(
+                np.int64(p_x[p]), np.int64(p_y[p]), np.int64(p_z[p]), p_x, p_y, p_z, base, across, layers, reach,
+                limit, ghost_state,
+            )
+
+
+@cpu_helper
+def thin_rows(ghost_state, grid, period, ghosts, t_x, t_y, t_z, piece, pieces):
+    """Thin a share of the cells of a turn."""
+    size = np.int64(ghosts.across) * ghosts.across * (1 if ghosts.flat else ghosts.across)
+    p_x, p_y, p_z = np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32)
+    lines = np.int64(grid.ny) * grid.nz
+    for line in range(lines * piece // pieces, lines * (piece + 1) // pieces):
+        c_y, c_z = line % grid.ny, line // grid.ny
+        if cell_turn(c_y, grid.ny, period.length_y) != t_y or cell_turn(c_z, grid.nz, period.length_z) != t_z:
+            continue
+        for c_x in range(np.int64(grid.nx)):
+            if cell_turn(c_x, grid.nx, period.length_x) == t_x:
+                _thin_cell(ghost_state, c_x, c_y, c_z, grid, period, ghosts, p_x, p_y, p_z)
