@@ -1,7 +1,5 @@
 """Formulas of one APIC particle. Slime spec 2.1, 2.3, 2.13. Symmetric tensors: xx, yy, zz, xy, xz, yz."""
 
-import math
-
 from melt._compile import scalar
 from melt.physics.polar import eigen
 
@@ -54,10 +52,3 @@ def about_centre(S, m, D):
     det -= moment[3] * (moment[3] * moment[2] - moment[4] * moment[5])
     det += moment[4] * (moment[3] * moment[5] - moment[4] * moment[1])
     return (x, y, z), moment, (x * x + y * y + z * z) * trace * trace > real(4) * det
-
-
-@scalar
-def boxed(x, lower, length, inverse):
-    """Return a coordinate taken into the periodic box from ``lower`` on; ``inverse`` 0: as it is."""
-    wide = type(x)
-    return x - wide(length) * wide(math.floor((x - wide(lower)) * wide(inverse)))
