@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.cpu._apic import PAD, affine_sums, pad
+from melt.cpu._apic import PAD, affine_sums, less_turn, pad
 from melt.cpu._ranges import rows_around
 from melt.params import MASSLESS
 from melt.physics.period import wrap
@@ -20,15 +20,6 @@ def _copy(source, first, target, slot, count, factor):
     first, slot = np.uint64(first), np.uint64(slot)
     for k in range(np.uint64(count)):
         target[slot + k] = factor[slot + k] * source[first + k]
-
-
-@cpu_helper
-def _less_turn(A, B, C, apic_centre, first, target, slot, count):
-    """Take away what the affine velocity (A, B, C) makes of the centre."""
-    first, slot = np.uint64(first), np.uint64(slot)
-    x, y, z = apic_centre[0], apic_centre[1], apic_centre[2]
-    for k in range(np.uint64(count)):
-        target[slot + k] -= A[slot + k] * x[first + k] + B[slot + k] * y[first + k] + C[slot + k] * z[first + k]
 
 
 @cpu_helper
@@ -55,7 +46,7 @@ def _copy_momentum(
             _copy(apic_velocity[a], first, value[1 + a], slot, count, share)
             for b in range(3):
                 _copy(apic_affine[3 * a + b], first, value[4 + 3 * a + b], slot, count, turn)
-            _less_turn(value[4 + 3 * a], value[5 + 3 * a], value[6 + 3 * a], apic_centre, first, value[1 + a], slot, count)
+            less_turn(value[4 + 3 * a], value[5 + 3 * a], value[6 + 3 * a], apic_centre, first, value[1 + a], slot, count)
         slot += count
     return slot
 

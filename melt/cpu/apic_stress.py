@@ -3,11 +3,14 @@
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.cpu._apic import PAD, affine_sums, pad
+from melt.cpu._apic import PAD, affine_sums, less_turn, pad
 from melt.cpu._ranges import rows_around
-from melt.physics.apic import pull, relaxed
+from melt.physics.apic import relaxed
 from melt.physics.phases import INACTIVE, LIQUID
 from melt.physics.ranges import ROWS, cell_at
+
+#: Where the elements of a row of a symmetric tensor are stored.
+ROW = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
 
 
 @cpu_stage
@@ -31,33 +34,41 @@ def apic_strain(apic_phase, apic_affine, elastic, dt, apic_strain):
 
 
 @cpu_helper
+def _pull_row(b, D, a, c, first, target, slot, count, factor):
+    """Write factor times element (a, c) of (b - I) D for the APIC particles of a row."""
+    real = target.dtype.type
+    first, slot = np.uint64(first), np.uint64(slot)
+    b_x, b_y, b_z = b[ROW[a][0]], b[ROW[a][1]], b[ROW[a][2]]
+    D_x, D_y, D_z = D[ROW[c][0]], D[ROW[c][1]], D[ROW[c][2]]
+    one_x, one_y, one_z = real(a == 0), real(a == 1), real(a == 2)
+    for k in range(np.uint64(count)):
+        p = first + k
+        target[slot + k] = factor[slot + k] * ((b_x[p] - one_x) * D_x[p] + (b_y[p] - one_y) * D_y[p] + (b_z[p] - one_z) * D_z[p])
+
+
+@cpu_helper
 def _copy_pull(
-    row, rows, apic_position, apic_mass, apic_weight, apic_centre, apic_inverse, apic_strain, apic, modulus, place, value,
+    row, rows, apic_position, apic_mass, apic_weight, apic_centre, apic_inverse, apic_strain, apic, modulus, place, value, factor,
 ):
     """Copy the APIC particles of the rows: 0, V_p/S_p tau_p D_p^+ c_p and minus V_p/S_p tau_p D_p^+; return how many."""
     real = type(modulus)
-    slot = np.uint64(0)
+    scale, slot = -modulus / apic.rest_density, 0
     for r in range(rows):
-        for p in range(np.uint64(row[r, 0]), np.uint64(row[r, 1])):
+        first, count = row[r, 0], row[r, 1] - row[r, 0]
+        for k in range(np.uint64(count)):
+            p, q = np.uint64(first) + k, np.uint64(slot) + k
             s = apic_weight[p]
-            f = -modulus * apic_mass[p] / (s * apic.rest_density) if s > real(0) else real(0)
-            b = (
-                apic_strain[0, p], apic_strain[1, p], apic_strain[2, p], apic_strain[3, p], apic_strain[4, p], apic_strain[5, p],
-            )
-            D = (
-                apic_inverse[0, p], apic_inverse[1, p], apic_inverse[2, p],
-                apic_inverse[3, p], apic_inverse[4, p], apic_inverse[5, p],
-            )
-            M = pull(b, D, f)
-            x, y, z = apic_centre[0, p], apic_centre[1, p], apic_centre[2, p]
-            value[0, slot] = real(0)
-            for a in range(3):
-                place[a, slot] = apic_position[a, p]
-                value[1 + a, slot] = -(M[3 * a] * x + M[3 * a + 1] * y + M[3 * a + 2] * z)
-            for a in range(9):
-                value[4 + a, slot] = M[a]
-            slot += np.uint64(1)
-    return np.int64(slot)
+            factor[q] = scale * apic_mass[p] / s if s > real(0) else real(0)
+            value[0, q] = real(0)
+        for a in range(3):
+            for k in range(np.uint64(count)):
+                place[a, np.uint64(slot) + k] = apic_position[a, np.uint64(first) + k]
+                value[1 + a, np.uint64(slot) + k] = real(0)
+            for c in range(3):
+                _pull_row(apic_strain, apic_inverse, a, c, first, value[4 + 3 * a + c], slot, count, factor)
+            less_turn(value[4 + 3 * a], value[5 + 3 * a], value[6 + 3 * a], apic_centre, first, value[1 + a], slot, count)
+        slot += count
+    return slot
 
 
 @cpu_helper
@@ -68,7 +79,7 @@ def _add_force(
     """Do the work of the stage for particles first to stop - 1."""
     row, last = np.empty((ROWS, 2), np.int64), np.int64(-1)
     size, end = 4096, 0
-    place, value = np.empty((3, size), position.dtype), np.empty((13, size), force.dtype)
+    place, value, factor = np.empty((3, size), position.dtype), np.empty((13, size), force.dtype), np.empty(size, force.dtype)
     for i in range(first, stop):
         if phase[i] != LIQUID:
             continue
@@ -80,9 +91,10 @@ def _add_force(
             if total + PAD > size:  # a crowded cell
                 size = 2 * (total + PAD)
                 place, value = np.empty((3, size), position.dtype), np.empty((13, size), force.dtype)
+                factor = np.empty(size, force.dtype)
             count = _copy_pull(
                 row, rows, apic_position, apic_mass, apic_weight, apic_centre, apic_inverse, apic_strain, apic, modulus,
-                place, value,
+                place, value, factor,
             )
             end, last = pad(place, value, count), cell
         _, u, v, w = affine_sums(place, value, end, x, y, z, period, apic)
