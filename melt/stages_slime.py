@@ -1,6 +1,6 @@
 """Registry entries of incompressible and viscous liquids, in pipeline order (see `melt.stages`)."""
 
-from melt.registry import COPY, EIGEN, EXACT, FEW, NEAR, STIFF, SUM, stage
+from melt.registry import COPY, EXACT, FEW, MOMENT, NEAR, STIFF, SUM, stage
 
 PAIRS = f"{NEAR} pair_gradient"
 LIST = [
@@ -73,7 +73,7 @@ LIST = [
            "grid smoothing period poisson", "completed_ratio ghost_laplacian", SUM),
     # ---- S3, S4, S10, S12: APIC
     stage("apic_weights", "apic_weights", "slime 2.1, S3", "position phase cell_start apic_phase apic_position", "grid period apic",
-           "apic_weight apic_centre apic_inverse apic_state", EIGEN),
+           "apic_weight apic_centre apic_inverse apic_state", MOMENT),
     stage("apic_to_nodes", "apic_nodes", "slime (1.3), (1.4)",
            "position phase apic_start apic_position apic_velocity apic_affine apic_mass apic_weight apic_centre", "grid period apic",
            "mass volume velocity node_state", STIFF, partial=True),

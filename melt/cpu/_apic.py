@@ -99,3 +99,12 @@ def affine_sums(place, value, stop, x_i, y_i, z_i, period, apic):
         v += w * (V[k] + D[k] * x + E[k] * y + F[k] * z)
         q += w * (Q[k] + G[k] * x + H[k] * y + K[k] * z)
     return m, u, v, q
+
+
+@cpu_helper
+def less_turn(A, B, C, apic_centre, first, target, slot, count):
+    """Take away what the affine velocity (A, B, C) makes of the centre."""
+    first, slot = np.uint64(first), np.uint64(slot)
+    x, y, z = apic_centre[0], apic_centre[1], apic_centre[2]
+    for k in range(np.uint64(count)):
+        target[slot + k] -= A[slot + k] * x[first + k] + B[slot + k] * y[first + k] + C[slot + k] * z[first + k]

@@ -6,7 +6,7 @@ from melt._compile import cpu_helper, cpu_stage, prange
 from melt.cpu._apic import PAD, copy_places, pad, velocity_sums
 from melt.cpu._ranges import rows_around
 from melt.params import ORPHAN
-from melt.physics.apic import boxed
+from melt.physics.period import into_box
 from melt.physics.phases import INACTIVE
 from melt.physics.ranges import ROWS, cell_at
 
@@ -108,9 +108,9 @@ def apic_move(apic_phase, apic_velocity, apic_affine, apic_weight, apic_centre, 
                 apic_position[a, p] += wide(c + dt * apic_velocity[a, p])
             else:
                 apic_position[a, p] += wide(dt * (apic_velocity[a, p] - turn))
-        apic_position[0, p] = boxed(apic_position[0, p], period.lower_x, period.length_x, period.inverse_x)
-        apic_position[1, p] = boxed(apic_position[1, p], period.lower_y, period.length_y, period.inverse_y)
-        apic_position[2, p] = boxed(apic_position[2, p], period.lower_z, period.length_z, period.inverse_z)
+        apic_position[0, p] = into_box(apic_position[0, p], period.lower_x, period.length_x, period.inverse_x)
+        apic_position[1, p] = into_box(apic_position[1, p], period.lower_y, period.length_y, period.inverse_y)
+        apic_position[2, p] = into_box(apic_position[2, p], period.lower_z, period.length_z, period.inverse_z)
 
 
 @cpu_stage

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.cpu._apic import PAD, affine_sums, pad
+from melt.cpu._apic import PAD, affine_sums, less_turn, pad
 from melt.cpu._ranges import rows_around
 from melt.params import MASSLESS
 from melt.physics.period import wrap
@@ -15,27 +15,40 @@ from melt.physics.smoothing import W
 
 
 @cpu_helper
+def _copy(source, first, target, slot, count, factor):
+    """Copy one array of the APIC particles of a row, each times its factor."""
+    first, slot = np.uint64(first), np.uint64(slot)
+    for k in range(np.uint64(count)):
+        target[slot + k] = factor[slot + k] * source[first + k]
+
+
+@cpu_helper
 def _copy_momentum(
-    row, rows, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre, apic, place, value,
+    row, rows, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre, apic, place, value, turn,
 ):
-    """Copy the APIC particles of the rows: m_p/S_p times 1, v_p - C_p c_p and C_p; return how many."""
+    """Copy the APIC particles of the rows: m_p/S_p times 1, v_p - C_p c_p and C_p; return how many.
+
+    Array after array, so that the copies are vectors: particle after particle they take longer than the sums.
+    """
     real = type(apic.support)
-    slot = np.uint64(0)
+    share = value[0]
+    slot = 0
     for r in range(rows):
-        for p in range(np.uint64(row[r, 0]), np.uint64(row[r, 1])):
+        first, count = row[r, 0], row[r, 1] - row[r, 0]
+        for k in range(np.uint64(count)):
+            p, q = np.uint64(first) + k, np.uint64(slot) + k
             s = apic_weight[p]
-            share = apic_mass[p] / s if s > real(0) else real(0)
-            for a in range(3):
-                place[a, slot] = apic_position[a, p]
-            value[0, slot] = share
-            f = share if apic.affine != 0 else real(0)
-            for a in range(3):
-                c_x, c_y, c_z = f * apic_affine[3 * a, p], f * apic_affine[3 * a + 1, p], f * apic_affine[3 * a + 2, p]
-                value[4 + 3 * a, slot], value[5 + 3 * a, slot], value[6 + 3 * a, slot] = c_x, c_y, c_z
-                about = c_x * apic_centre[0, p] + c_y * apic_centre[1, p] + c_z * apic_centre[2, p]
-                value[1 + a, slot] = share * apic_velocity[a, p] - about
-            slot += np.uint64(1)
-    return np.int64(slot)
+            share[q] = apic_mass[p] / s if s > real(0) else real(0)
+            turn[q] = share[q] if apic.affine != 0 else real(0)
+        for a in range(3):
+            for k in range(np.uint64(count)):
+                place[a, np.uint64(slot) + k] = apic_position[a, np.uint64(first) + k]
+            _copy(apic_velocity[a], first, value[1 + a], slot, count, share)
+            for b in range(3):
+                _copy(apic_affine[3 * a + b], first, value[4 + 3 * a + b], slot, count, turn)
+            less_turn(value[4 + 3 * a], value[5 + 3 * a], value[6 + 3 * a], apic_centre, first, value[1 + a], slot, count)
+        slot += count
+    return slot
 
 
 @cpu_helper
@@ -47,7 +60,7 @@ def _gather(
     real = type(apic.support)
     row, last = np.empty((ROWS, 2), np.int64), np.int64(-1)
     size, end = 4096, 0
-    place, value = np.empty((3, size), position.dtype), np.empty((13, size), mass.dtype)
+    place, value, turn = np.empty((3, size), position.dtype), np.empty((13, size), mass.dtype), np.empty(size, mass.dtype)
     for i in range(first, stop):
         node_state[i] = 0
         if phase[i] != LIQUID:
@@ -60,8 +73,9 @@ def _gather(
             if total + PAD > size:  # a crowded cell
                 size = 2 * (total + PAD)
                 place, value = np.empty((3, size), position.dtype), np.empty((13, size), mass.dtype)
+                turn = np.empty(size, mass.dtype)
             count = _copy_momentum(
-                row, rows, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre, apic, place, value,
+                row, rows, apic_position, apic_velocity, apic_affine, apic_mass, apic_weight, apic_centre, apic, place, value, turn,
             )
             end, last = pad(place, value, count), cell
         m, u, v, w = affine_sums(place, value, end, x, y, z, period, apic)

@@ -1,7 +1,5 @@
 """Formulas of one APIC particle. Slime spec 2.1, 2.3, 2.13. Symmetric tensors: xx, yy, zz, xy, xz, yz."""
 
-import math
-
 from melt._compile import scalar
 from melt.physics.polar import eigen
 
@@ -57,7 +55,54 @@ def about_centre(S, m, D):
 
 
 @scalar
-def boxed(x, lower, length, inverse):
-    """Return a coordinate taken into the periodic box from ``lower`` on; ``inverse`` 0: as it is."""
-    wide = type(x)
-    return x - wide(length) * wide(math.floor((x - wide(lower)) * wide(inverse)))
+def _product(A, B):
+    """Return the product of two 3x3 matrices, row by row."""
+    return (
+        A[0] * B[0] + A[1] * B[3] + A[2] * B[6], A[0] * B[1] + A[1] * B[4] + A[2] * B[7], A[0] * B[2] + A[1] * B[5] + A[2] * B[8],
+        A[3] * B[0] + A[4] * B[3] + A[5] * B[6], A[3] * B[1] + A[4] * B[4] + A[5] * B[7], A[3] * B[2] + A[4] * B[5] + A[5] * B[8],
+        A[6] * B[0] + A[7] * B[3] + A[8] * B[6], A[6] * B[1] + A[7] * B[4] + A[8] * B[7], A[6] * B[2] + A[7] * B[5] + A[8] * B[8],
+    )
+
+
+@scalar
+def deformation(C, dt):
+    """Return F = (I - dt C/2)^-1 (I + dt C/2) = 2 (I - dt C/2)^-1 - I of an affine velocity (9), row by row."""
+    real = type(dt)
+    f, one = real(-0.5) * dt, real(1)
+    a, b, c = one + f * C[0], f * C[1], f * C[2]
+    d, e, g = f * C[3], one + f * C[4], f * C[5]
+    h, k, m = f * C[6], f * C[7], one + f * C[8]
+    A, B, D = e * m - g * k, g * h - d * m, d * k - e * h
+    s = real(2) / (a * A + b * B + c * D)
+    return (
+        s * A - one, s * (c * k - b * m), s * (b * g - c * e),
+        s * B, s * (a * m - c * h) - one, s * (c * d - a * g),
+        s * D, s * (b * h - a * k), s * (a * e - b * d) - one,
+    )
+
+
+@scalar
+def relaxed(C, b, dt, elastic):
+    """Return the conformation tensor (6) after dt of stretching by the affine velocity C (9) and of relaxation."""
+    real = type(dt)
+    F = deformation(C, dt)
+    T = _product(F, (b[0], b[3], b[4], b[3], b[1], b[5], b[4], b[5], b[2]))
+    rate = dt / elastic.relaxation
+    s = real(1) / (real(1) + rate)
+    return (
+        s * (T[0] * F[0] + T[1] * F[1] + T[2] * F[2] + rate),
+        s * (T[3] * F[3] + T[4] * F[4] + T[5] * F[5] + rate),
+        s * (T[6] * F[6] + T[7] * F[7] + T[8] * F[8] + rate),
+        s * (T[0] * F[3] + T[1] * F[4] + T[2] * F[5]),
+        s * (T[0] * F[6] + T[1] * F[7] + T[2] * F[8]),
+        s * (T[3] * F[6] + T[4] * F[7] + T[5] * F[8]),
+    )
+
+
+@scalar
+def pull(b, D, factor):
+    """Return factor (b - I) D (9, row by row) of two symmetric tensors: the force on a node is minus this times its distance."""
+    one = type(factor)(1)
+    xx, yy, zz = factor * (b[0] - one), factor * (b[1] - one), factor * (b[2] - one)
+    xy, xz, yz = factor * b[3], factor * b[4], factor * b[5]
+    return _product((xx, xy, xz, xy, yy, yz, xz, yz, zz), (D[0], D[3], D[4], D[3], D[1], D[5], D[4], D[5], D[2]))
