@@ -15,8 +15,6 @@ from melt.systems.heat import heat, start_heat
 from melt.systems.incompressible import step_limits, sub_steps, tally, tell  # noqa: F401  (step_limits: asked of every page)
 from melt.systems.melting import emit, grown, search, sort
 
-ROUNDS = 64  # of thinning ghosts: 3-7 are usual
-
 
 def start(do):
     """Derive thermal properties; nothing else is needed before the first step."""
@@ -171,13 +169,7 @@ def boundaries(do, dt):
 def air(do):
     """Seed air ghost particles beyond the free surface, and complete the density by them (S5a). Spec 2.8."""
     do.ghost_candidates()
-    rounds = 0
-    while rounds < ROUNDS:
-        rounds += 1
-        do.ghost_round()
-        do.swap("ghost_state", "ghost_state_next")
-        if do.recording or int(np.asarray(do.read("ghost_left")).sum()) == 0:
-            break
+    do.ghost_thin()
     do.ghost_list()
     count = int(do.read("ghost_start")[-2]) if not do.recording else 0
     if count > do.size("ghost"):
@@ -186,7 +178,6 @@ def air(do):
     do.ghost_volume()
     do.ghost_complete()
     do.note("ghosts", count)
-    do.note("ghost_rounds", rounds)
 
 
 def push(do, dt):
