@@ -45,6 +45,8 @@ LIST = [
            "poisson_direction poisson_sums", SUM, partial=True),
     stage("poisson_finish", "poisson", "slime 2.9", "density_ratio completed_ratio poisson_diagonal poisson_pressure", "poisson",
            "poisson_pressure solver_pressure", FEW),
+    stage("poisson_acceleration", "poisson", "slime 2.9", f"position volume mobility poisson_diagonal solver_pressure {PAIRS}",
+           "poisson fluid period", "pressure_acceleration", STIFF),
     # ---- S6b: viscosity
     stage("shear_rate", "viscosity_law", "slime 2.11", f"velocity {PAIRS}", "", "shear_rate", SUM),
     stage("viscosity", "viscosity_law", "slime 2.11", "phase temperature shear_rate", "viscous", "viscosity", SUM),

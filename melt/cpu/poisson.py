@@ -61,7 +61,8 @@ def poisson_start(
             rate = total = real(0)
             for k in range(np.uint64(neighbour_count[i])):
                 j = np.uint64(neighbour_index[i, k])
-                rate += (
+                mirror = real(1) if poisson_diagonal[j] > real(0) else real(2)
+                rate += mirror * (
                     pair_gradient[0, i, k] * (u_i - velocity[0, j])
                     + pair_gradient[1, i, k] * (v_i - velocity[1, j])
                     + pair_gradient[2, i, k] * (w_i - velocity[2, j])
@@ -77,6 +78,38 @@ def poisson_start(
             rr += wide(r) * wide(r)
             bb += wide(b) * wide(b)
         poisson_sums[0, share], poisson_sums[3, share], poisson_sums[4, share] = rz, rr, bb
+
+
+@cpu_stage
+def poisson_acceleration(
+    position, volume, mobility, poisson_diagonal, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
+    poisson, fluid, period, pressure_acceleration,
+):
+    """See `melt.reference.poisson.poisson_acceleration`."""
+    real = volume.dtype.type
+    rho = poisson.rest_density
+    gx, gy, gz = rho * fluid.gravity_x, rho * fluid.gravity_y, rho * fluid.gravity_z
+    for i in prange(volume.shape[0]):
+        x = y = z = real(0)
+        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+        if mobility[i] > real(0):
+            p = solver_pressure[i]
+            for k in range(np.uint64(neighbour_count[i])):
+                j = np.uint64(neighbour_index[i, k])
+                # what water at rest would add between here and there
+                below = (
+                    gx * real(wrap(position[0, j] - x_i, period.length_x, period.inverse_x))
+                    + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
+                    + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
+                )
+                both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below)
+                x += both * pair_gradient[0, i, k]
+                y += both * pair_gradient[1, i, k]
+                z += both * pair_gradient[2, i, k]
+        c = -mobility[i] * volume[i]
+        pressure_acceleration[0, i] = c * x
+        pressure_acceleration[1, i] = c * y
+        pressure_acceleration[2, i] = c * z
 
 
 @cpu_stage

@@ -10,13 +10,8 @@ over particles with a pressure; s is the density ratio completed by ghosts, V = 
 import numpy as np
 
 from melt.reference import _pairs
+from melt.reference._period import nearest
 from melt.reference._shares import rows, shares
-
-
-def _wrapped(d, period):
-    length = np.array([period.length_x, period.length_y, period.length_z], float)[:, None]
-    inverse = np.array([period.inverse_x, period.inverse_y, period.inverse_z], float)[:, None]
-    return d - length * np.floor(d * inverse + 0.5)
 
 
 def _volume(volume, completed_ratio):
@@ -37,7 +32,7 @@ def poisson_pairs(
     x, V = position.astype(float), _volume(volume, completed_ratio)
     act = dfsph_factor > 0
     for i, near in rows(neighbour_count, neighbour_index):
-        x_ij = _wrapped(x[:, i, None] - x[:, near], period)
+        x_ij = nearest(x[:, i, None] - x[:, near], period)
         r2 = (x_ij**2).sum(axis=0)
         F_r2 = -(_pairs.gradW(x_ij, np.sqrt(r2), smoothing) * x_ij).sum(axis=0)
         s = np.where(act[i] & act[near], 2 * V[i] * V[near] * F_r2 / (r2 + float(poisson.floor)), 0.0)
@@ -53,8 +48,10 @@ def poisson_start(
 ):
     r"""Write residual r = b - S p, direction z = r/diagonal, and the partial sums of r.z (0), r.r (3), b.b (4).
 
-    b_i = V_i \rho_0 [\dot s_i/(s_i dt) + pull min(0, s_i - 1)/dt^2], \dot s_i = sum_j g_ij.(v_i - v_j) over all
-    neighbours, walls too.
+    b_i = V_i \rho_0 [\dot s_i/(s_i dt) + pull min(0, s_i - 1)/dt^2], \dot s_i = sum_j c_j g_ij.(v_i - v_j) over all
+    neighbours; c_j = 2 for walls and all else without a pressure: their velocity is mirrored, 2 v_b - v_i, so that
+    all of the flow into the wall counts. (With c_j = 1 half of it lies inside of the wall, and water at rest has half of
+    its pressure, measured.)
 
     Reads: velocity (3, n) [m/s], volume (n,) [m^3], completed_ratio (n,), poisson_ghost, poisson_diagonal (n,)
         [m] (0: no pressure), the lists, pair_gradient (3, n, m) [1/m], pair_poisson (n, m) [m],
@@ -68,7 +65,8 @@ def poisson_start(
         if not poisson_diagonal[i] > 0:
             continue
         s = float(completed_ratio[i])
-        rate = (pair_gradient[:, i, : len(near)].astype(float) * (v[:, i, None] - v[:, near])).sum()
+        mirror = np.where(poisson_diagonal[near] > 0, 1.0, 2.0)
+        rate = (mirror * pair_gradient[:, i, : len(near)].astype(float) * (v[:, i, None] - v[:, near])).sum()
         b[i] = V[i] * float(poisson.rest_density) * (rate / s / dt + float(poisson.pull) * min(0.0, s - 1) / dt**2)
         r = b[i] - _times(i, near, pair_poisson, poisson_ghost, p)
         poisson_residual[i], poisson_direction[i] = r, r / float(poisson_diagonal[i])
@@ -80,6 +78,26 @@ def poisson_start(
 def _times(i, near, pair_poisson, poisson_ghost, p):
     """Return (S p)_i."""
     return (pair_poisson[i, : len(near)].astype(float) * (p[i] - p[near])).sum() + float(poisson_ghost[i]) * p[i]
+
+
+def poisson_acceleration(
+    position, volume, mobility, poisson_diagonal, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
+    poisson, fluid, period, pressure_acceleration,
+):
+    """Write a_i = -mobility_i V_i sum_j (p_i + p_j) g_ij, p_j = p_i + rho_0 g.(x_j - x_i) for walls and all else without a pressure.
+
+    The pressure in a wall is what water at rest would have there (Adami et al. 2012): with p_j = p_i alone the lowest
+    layer keeps half of its weight. Tangential velocities take no part, or walls would brake.
+    Reads: position (3, n) [m], volume (n,) [m^3], mobility (n,) [1/kg], poisson_diagonal (n,) [m] (0: no pressure), solver_pressure (n,)
+        [Pa], the lists, pair_gradient (3, n, m) [1/m]. Writes: pressure_acceleration (3, n) [m/s^2].
+    """
+    p, V, w = (a.astype(float) for a in (solver_pressure, volume, mobility))
+    gravity = np.array([fluid.gravity_x, fluid.gravity_y, fluid.gravity_z], float)
+    for i, near in rows(neighbour_count, neighbour_index):
+        d = nearest(position[:, near].astype(float) - position[:, i, None].astype(float), period)
+        other = np.where(poisson_diagonal[near] > 0, p[near], p[i] + float(poisson.rest_density) * (gravity @ d))
+        g = pair_gradient[:, i, : len(near)].astype(float)
+        pressure_acceleration[:, i] = -w[i] * V[i] * (g * (p[i] + other)).sum(axis=1) if w[i] > 0 else 0.0
 
 
 def poisson_finish(density_ratio, completed_ratio, poisson_diagonal, poisson, poisson_pressure, solver_pressure):

@@ -70,7 +70,7 @@ def project(do, dt):
     do.poisson_start(completed_ratio=_ratio(do), dt=dt)
     solved = _conjugate(do, "poisson", do.settings.poisson_tolerance, do.settings.poisson_iterations, lambda: do.poisson_apply())
     do.poisson_finish(completed_ratio=_ratio(do))
-    do.pressure_acceleration()
+    do.poisson_acceleration()
     do.pressure_kick(dt=dt)
     return solved
 
