@@ -9,14 +9,9 @@ over particles with a pressure; s is the density ratio completed by ghosts, V = 
 
 import numpy as np
 
-from melt.reference import _pairs
+from melt.reference._box import wrapped
+from melt.reference._pairs import gradW
 from melt.reference._shares import rows, shares
-
-
-def _wrapped(d, period):
-    length = np.array([period.length_x, period.length_y, period.length_z], float)[:, None]
-    inverse = np.array([period.inverse_x, period.inverse_y, period.inverse_z], float)[:, None]
-    return d - length * np.floor(d * inverse + 0.5)
 
 
 def _volume(volume, completed_ratio):
@@ -37,9 +32,9 @@ def poisson_pairs(
     x, V = position.astype(float), _volume(volume, completed_ratio)
     act = dfsph_factor > 0
     for i, near in rows(neighbour_count, neighbour_index):
-        x_ij = _wrapped(x[:, i, None] - x[:, near], period)
+        x_ij = wrapped(x[:, i, None] - x[:, near], period)
         r2 = (x_ij**2).sum(axis=0)
-        F_r2 = -(_pairs.gradW(x_ij, np.sqrt(r2), smoothing) * x_ij).sum(axis=0)
+        F_r2 = -(gradW(x_ij, np.sqrt(r2), smoothing) * x_ij).sum(axis=0)
         s = np.where(act[i] & act[near], 2 * V[i] * V[near] * F_r2 / (r2 + float(poisson.floor)), 0.0)
         ghost = 4 * V[i] * float(ghost_laplacian[i]) if act[i] and len(ghost_laplacian) else 0.0
         pair_poisson[i, : len(near)] = s

@@ -11,14 +11,9 @@ symmetric, and rigid motion is in the null space of K.
 
 import numpy as np
 
-from melt.reference import _pairs
+from melt.reference._box import wrapped
+from melt.reference._pairs import gradW
 from melt.reference._shares import rows, shares
-
-
-def _wrapped(d, period):
-    length = np.array([period.length_x, period.length_y, period.length_z], float)[:, None]
-    inverse = np.array([period.inverse_x, period.inverse_y, period.inverse_z], float)[:, None]
-    return d - length * np.floor(d * inverse + 0.5)
 
 
 def pair_shear(
@@ -42,9 +37,9 @@ def pair_shear(
         viscous_block[:, i] = 0
         if not free[i]:
             continue
-        x_ij = _wrapped(x[:, i, None] - x[:, near], period)
+        x_ij = wrapped(x[:, i, None] - x[:, near], period)
         r = np.sqrt((x_ij**2).sum(axis=0))
-        grad = _pairs.gradW(x_ij, r, smoothing)
+        grad = gradW(x_ij, r, smoothing)
         fluid = mu[near] > 0
         pair = np.where(fluid, 2 * mu[i] * mu[near] / (mu[i] + mu[near]), float(viscous.wall) * mu[i])
         F_r2 = -(grad * x_ij).sum(axis=0)
