@@ -9,7 +9,7 @@ over particles with a pressure; s is the density ratio completed by ghosts, V = 
 
 import numpy as np
 
-from melt.reference import _pairs
+from melt.reference._pairs import gradW
 from melt.reference._period import nearest
 from melt.reference._shares import rows, shares
 
@@ -34,7 +34,7 @@ def poisson_pairs(
     for i, near in rows(neighbour_count, neighbour_index):
         x_ij = nearest(x[:, i, None] - x[:, near], period)
         r2 = (x_ij**2).sum(axis=0)
-        F_r2 = -(_pairs.gradW(x_ij, np.sqrt(r2), smoothing) * x_ij).sum(axis=0)
+        F_r2 = -(gradW(x_ij, np.sqrt(r2), smoothing) * x_ij).sum(axis=0)
         s = np.where(act[i] & act[near], 2 * V[i] * V[near] * F_r2 / (r2 + float(poisson.floor)), 0.0)
         ghost = 4 * V[i] * float(ghost_laplacian[i]) if act[i] and len(ghost_laplacian) else 0.0
         pair_poisson[i, : len(near)] = s

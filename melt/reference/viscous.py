@@ -11,7 +11,7 @@ symmetric, and rigid motion is in the null space of K.
 
 import numpy as np
 
-from melt.reference import _pairs
+from melt.reference._pairs import gradW
 from melt.reference._period import nearest
 from melt.reference._shares import rows, shares
 
@@ -39,7 +39,7 @@ def pair_shear(
             continue
         x_ij = nearest(x[:, i, None] - x[:, near], period)
         r = np.sqrt((x_ij**2).sum(axis=0))
-        grad = _pairs.gradW(x_ij, r, smoothing)
+        grad = gradW(x_ij, r, smoothing)
         fluid = mu[near] > 0
         pair = np.where(fluid, 2 * mu[i] * mu[near] / (mu[i] + mu[near]), float(viscous.wall) * mu[i])
         F_r2 = -(grad * x_ij).sum(axis=0)
