@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.cpu._ghost_rows import buffers, cell_middle, copy_ghosts, copy_near, near_rows
+from melt.cpu._ghost_rows import box_of, buffers, copy_ghosts, copy_near, near_rows, other_images
 from melt.physics.period import wrap
 from melt.physics.search import axis_cell
 from melt.physics.smoothing import W, dW_over_r
@@ -44,10 +44,11 @@ def _piece_volumes(
         if total + total_g > most:
             most = 2 * (total + total_g)
             x, y, z, weight = buffers(most, position, volume)
-        middle = cell_middle(grid, c_x, c_y, c_z, position)
-        slot = copy_near(position, phase, volume, True, row, rows, middle, grid, period, x, y, z, weight, 0)
-        slot = copy_near(position, phase, volume, False, row, rows, middle, grid, period, x, y, z, weight, slot)
-        slot = copy_ghosts(ghost_position, row_g, rows_g, middle, grid, period, x, y, z, weight, slot)
+        box = box_of(grid, smoothing, c_x, c_y, c_z, position)
+        slot = copy_near(position, phase, volume, True, row, rows, box, period, x, y, z, weight, 0)
+        slot = copy_near(position, phase, volume, False, row, rows, box, period, x, y, z, weight, slot)
+        slot = copy_ghosts(ghost_position, row_g, rows_g, box, period, x, y, z, slot)
+        slot = other_images(box, grid, period, x, y, z, weight, 0, slot)
         for g in range(begin, end):
             total_w = _kernel_sum(
                 x, y, z, slot, ghost_position[0, g], ghost_position[1, g], ghost_position[2, g], smoothing
