@@ -9,6 +9,16 @@ from melt.physics.phases import LIQUID
 
 
 @cpu_helper
+def near_box(x, y, z, box, reach):
+    """Return whether a place is closer than ``reach`` to the cell."""
+    wide = type(x)
+    d_x = max(abs(x - box[0]) - box[3], wide(0))
+    d_y = max(abs(y - box[1]) - box[4], wide(0))
+    d_z = max(abs(z - box[2]) - box[5], wide(0))
+    return d_x * d_x + d_y * d_y + d_z * d_z < reach * reach
+
+
+@cpu_helper
 def near_rows(start, most, grid, period, c_x, c_y, c_z, row):
     """Fill row (27, 2) with the ranges below ``most`` of the cells around a cell; return their number and total."""
     rows = total = np.int64(0)
@@ -51,11 +61,10 @@ def _other_images(x, y, z, weight, first, stop, middle, length):
 def copy_near(position, phase, volume, liquid, row, rows, box, period, x, y, z, weight, slot):
     """Append nodes (``liquid``), or the other particles, of the ranges to the buffers; return where they end.
 
-    Particles are taken to their image nearest to the middle of the cell; those farther than ``reach`` from the
-    cell are left out. ``box`` is (middle x, y, z, half an edge, reach).
+    Particles are taken to their image nearest to the middle of the cell; those out of reach of the
+    cell are left out. ``box`` is that of `box_of`.
     """
     real = type(period.length_x)
-    wide = type(box[0])
     for r in range(rows):
         for j in range(np.uint64(row[r, 0]), np.uint64(row[r, 1])):
             if (phase[j] == LIQUID) != liquid or (liquid and not volume[j] > real(0)):
@@ -63,11 +72,8 @@ def copy_near(position, phase, volume, liquid, row, rows, box, period, x, y, z, 
             x_j = image(position[0, j], box[0], period.length_x, period.inverse_x)
             y_j = image(position[1, j], box[1], period.length_y, period.inverse_y)
             z_j = image(position[2, j], box[2], period.length_z, period.inverse_z)
-            d_x = max(abs(x_j - box[0]) - box[3], wide(0))
-            d_y = max(abs(y_j - box[1]) - box[3], wide(0))
-            d_z = max(abs(z_j - box[2]) - box[3], wide(0))
             x[slot], y[slot], z[slot], weight[slot] = x_j, y_j, z_j, volume[j]
-            slot += 1 if d_x * d_x + d_y * d_y + d_z * d_z < box[4] * box[4] else 0
+            slot += 1 if near_box(x_j, y_j, z_j, box, box[6]) else 0
     return slot
 
 
@@ -86,14 +92,15 @@ def other_images(box, grid, period, x, y, z, weight, first, slot):
 
 
 @cpu_helper
-def copy_ghosts(ghost_position, row, rows, box, period, x, y, z, slot):
+def copy_ghosts(ghost_position, ghost_volume, row, rows, box, period, x, y, z, weight, slot):
     """Append the ghosts of the ranges to the buffers as `copy_near` does; return where they end."""
     for r in range(rows):
         for j in range(np.uint64(row[r, 0]), np.uint64(row[r, 1])):
-            x[slot] = image(ghost_position[0, j], box[0], period.length_x, period.inverse_x)
-            y[slot] = image(ghost_position[1, j], box[1], period.length_y, period.inverse_y)
-            z[slot] = image(ghost_position[2, j], box[2], period.length_z, period.inverse_z)
-            slot += 1
+            x_j = image(ghost_position[0, j], box[0], period.length_x, period.inverse_x)
+            y_j = image(ghost_position[1, j], box[1], period.length_y, period.inverse_y)
+            z_j = image(ghost_position[2, j], box[2], period.length_z, period.inverse_z)
+            x[slot], y[slot], z[slot], weight[slot] = x_j, y_j, z_j, ghost_volume[j]
+            slot += 1 if near_box(x_j, y_j, z_j, box, box[6]) else 0
     return slot
 
 
@@ -105,14 +112,20 @@ def buffers(size, position, like):
 
 
 @cpu_helper
-def box_of(grid, smoothing, c_x, c_y, c_z, position):
-    """Return the middle of a cell, half its edge, and the support with some slack, in the precision of positions [m]."""
+def _middle(cell, count, origin, length, edge):
+    """Return the middle of a cell along an axis, and half its edge; the last of a periodic axis ends where the axis does."""
+    half = edge / type(edge)(2)
+    if length > type(edge)(0) and cell == count - 1:
+        half = max(length - type(edge)(count - 1) * edge, edge) / type(edge)(2)
+    return origin + type(edge)(cell) * edge + half, half
+
+
+@cpu_helper
+def box_of(grid, smoothing, period, c_x, c_y, c_z, position):
+    """Return the middle of a cell, half its edges, and the support with some slack, in the precision of positions [m]."""
     wide = position.dtype.type
-    half, edge = wide(0.5), wide(1) / wide(grid.inverse_cell)
-    return (
-        wide(grid.origin_x) + (wide(c_x) + half) * edge,
-        wide(grid.origin_y) + (wide(c_y) + half) * edge,
-        wide(grid.origin_z) + (wide(c_z) + half) * edge,
-        half * edge,
-        wide(1.01) * wide(smoothing.support),
-    )
+    edge = wide(1) / wide(grid.inverse_cell)
+    x, half_x = _middle(c_x, grid.nx, wide(grid.origin_x), wide(period.length_x), edge)
+    y, half_y = _middle(c_y, grid.ny, wide(grid.origin_y), wide(period.length_y), edge)
+    z, half_z = _middle(c_z, grid.nz, wide(grid.origin_z), wide(period.length_z), edge)
+    return x, y, z, half_x, half_y, half_z, wide(1.01) * wide(smoothing.support)

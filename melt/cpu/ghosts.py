@@ -11,7 +11,7 @@ import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
 from melt.cpu._ghost_thin import thin_rows
-from melt.cpu._ghost_rows import box_of, buffers, copy_near, near_rows, other_images
+from melt.cpu._ghost_rows import box_of, buffers, copy_near, near_box, near_rows, other_images
 from melt.physics.ghosts import (
     CANDIDATE, GHOST, NONE, in_box, jitter_units, point_coordinate, point_shift,
 )
@@ -62,12 +62,8 @@ def _lattice_range(t, reach, count):
 def _near_cell(x, y, z, stop, box, reach, hit):
     """Mark the particles closer than ``reach`` to a cell."""
     wide = type(box[0])
-    square = wide(reach) * wide(reach)
     for k in range(np.uint64(stop)):
-        d_x = max(abs(x[k] - box[0]) - box[3], wide(0))
-        d_y = max(abs(y[k] - box[1]) - box[3], wide(0))
-        d_z = max(abs(z[k] - box[2]) - box[3], wide(0))
-        hit[k] = d_x * d_x + d_y * d_y + d_z * d_z < square
+        hit[k] = near_box(x[k], y[k], z[k], box, wide(reach))
 
 
 @cpu_helper
@@ -119,7 +115,7 @@ def _cell_candidates(c, layers, grid, smoothing, period, ghosts, near, points, f
     x, y, z, weight, liquids, stop, box = near
     p_x, p_y, p_z = points
     size = p_x.shape[0]
-    corner = box[0] - box[3], box[1] - box[3], box[2] - box[3]
+    corner = box[0] - box[3], box[1] - box[4], box[2] - box[5]
     _points(c, layers, grid, ghosts, p_x, p_y, p_z)
     for p in range(size):
         free[p] = 1
@@ -159,7 +155,7 @@ def _piece_candidates(
             most = 2 * total
             x, y, z, weight = buffers(most, position, volume)
             hit = np.empty(x.shape[0], np.uint8)
-        box = box_of(grid, smoothing, c_x, c_y, c_z, position)
+        box = box_of(grid, smoothing, period, c_x, c_y, c_z, position)
         liquids = copy_near(position, phase, volume, True, row, rows, box, period, x, y, z, weight, 0)
         liquids = other_images(box, grid, period, x, y, z, weight, 0, liquids)
         stop = copy_near(position, phase, volume, False, row, rows, box, period, x, y, z, weight, liquids)
