@@ -10,9 +10,8 @@ SLOTS = 400
 
 
 def periodic(n):
-    """Return the choice of a scene that is periodic along x and y; x has only two cells."""
-    counts = (3, 3) if n >= 700 else (2, 3)
-    lengths = [c * CELL for c in counts]
+    """Return the choice of a scene that is periodic along x and y; x has two cells, and with many particles a strip behind them."""
+    lengths = (1.25 if n >= 700 else 1.0, 1.5)
     return dict(n=n, length_x=lengths[0], length_y=lengths[1], inverse_x=1 / lengths[0], inverse_y=1 / lengths[1])
 
 

@@ -9,6 +9,16 @@ from melt.physics.phases import LIQUID
 
 
 @cpu_helper
+def near_box(x, y, z, box, reach):
+    """Return whether a place is closer than ``reach`` to the cell."""
+    wide = type(x)
+    d_x = max(abs(x - box[0]) - box[3], wide(0))
+    d_y = max(abs(y - box[1]) - box[4], wide(0))
+    d_z = max(abs(z - box[2]) - box[5], wide(0))
+    return d_x * d_x + d_y * d_y + d_z * d_z < reach * reach
+
+
+@cpu_helper
 def near_rows(start, most, grid, period, c_x, c_y, c_z, row):
     """Fill row (27, 2) with the ranges below ``most`` of the cells around a cell; return their number and total."""
     rows = total = np.int64(0)
@@ -48,69 +58,74 @@ def _other_images(x, y, z, weight, first, stop, middle, length):
 
 
 @cpu_helper
-def copy_near(position, phase, volume, liquid, row, rows, middle, grid, period, x, y, z, weight, slot):
+def copy_near(position, phase, volume, liquid, row, rows, box, period, x, y, z, weight, slot):
     """Append nodes (``liquid``), or the other particles, of the ranges to the buffers; return where they end.
 
-    Particles are taken to their image nearest to the middle of the cell; of a periodic axis of fewer than
-    three cells, to both images.
+    Particles are taken to their image nearest to the middle of the cell; those out of reach of the
+    cell are left out. ``box`` is that of `box_of`.
     """
-    wide = type(middle[0])
     real = type(period.length_x)
-    first = slot
     for r in range(rows):
         for j in range(np.uint64(row[r, 0]), np.uint64(row[r, 1])):
             if (phase[j] == LIQUID) != liquid or (liquid and not volume[j] > real(0)):
                 continue
-            x[slot] = image(position[0, j], middle[0], period.length_x, period.inverse_x)
-            y[slot] = image(position[1, j], middle[1], period.length_y, period.inverse_y)
-            z[slot] = image(position[2, j], middle[2], period.length_z, period.inverse_z)
-            weight[slot] = volume[j]
-            slot += 1
-    if period.length_x > real(0) and grid.nx < 3:
-        slot = _other_images(x, y, z, weight, first, slot, middle[0], wide(period.length_x))
-    if period.length_y > real(0) and grid.ny < 3:
-        slot = _other_images(y, x, z, weight, first, slot, middle[1], wide(period.length_y))
-    if period.length_z > real(0) and grid.nz < 3:
-        slot = _other_images(z, x, y, weight, first, slot, middle[2], wide(period.length_z))
+            x_j = image(position[0, j], box[0], period.length_x, period.inverse_x)
+            y_j = image(position[1, j], box[1], period.length_y, period.inverse_y)
+            z_j = image(position[2, j], box[2], period.length_z, period.inverse_z)
+            x[slot], y[slot], z[slot], weight[slot] = x_j, y_j, z_j, volume[j]
+            slot += 1 if near_box(x_j, y_j, z_j, box, box[6]) else 0
     return slot
 
 
 @cpu_helper
-def copy_ghosts(ghost_position, row, rows, middle, grid, period, x, y, z, weight, slot):
-    """Append the ghosts of the ranges to the buffers as `copy_near` does; return where they end."""
-    wide = type(middle[0])
+def other_images(box, grid, period, x, y, z, weight, first, slot):
+    """Append the other image of what the buffers hold from ``first`` on, along periodic axes of two cells."""
+    wide = type(box[0])
     real = type(period.length_x)
-    first = slot
+    if period.length_x > real(0) and grid.nx < 3:
+        slot = _other_images(x, y, z, weight, first, slot, box[0], wide(period.length_x))
+    if period.length_y > real(0) and grid.ny < 3:
+        slot = _other_images(y, x, z, weight, first, slot, box[1], wide(period.length_y))
+    if period.length_z > real(0) and grid.nz < 3:
+        slot = _other_images(z, x, y, weight, first, slot, box[2], wide(period.length_z))
+    return slot
+
+
+@cpu_helper
+def copy_ghosts(ghost_position, ghost_volume, row, rows, box, period, x, y, z, weight, slot):
+    """Append the ghosts of the ranges to the buffers as `copy_near` does; return where they end."""
     for r in range(rows):
         for j in range(np.uint64(row[r, 0]), np.uint64(row[r, 1])):
-            x[slot] = image(ghost_position[0, j], middle[0], period.length_x, period.inverse_x)
-            y[slot] = image(ghost_position[1, j], middle[1], period.length_y, period.inverse_y)
-            z[slot] = image(ghost_position[2, j], middle[2], period.length_z, period.inverse_z)
-            weight[slot] = real(1)
-            slot += 1
-    if period.length_x > real(0) and grid.nx < 3:
-        slot = _other_images(x, y, z, weight, first, slot, middle[0], wide(period.length_x))
-    if period.length_y > real(0) and grid.ny < 3:
-        slot = _other_images(y, x, z, weight, first, slot, middle[1], wide(period.length_y))
-    if period.length_z > real(0) and grid.nz < 3:
-        slot = _other_images(z, x, y, weight, first, slot, middle[2], wide(period.length_z))
+            x_j = image(ghost_position[0, j], box[0], period.length_x, period.inverse_x)
+            y_j = image(ghost_position[1, j], box[1], period.length_y, period.inverse_y)
+            z_j = image(ghost_position[2, j], box[2], period.length_z, period.inverse_z)
+            x[slot], y[slot], z[slot], weight[slot] = x_j, y_j, z_j, ghost_volume[j]
+            slot += 1 if near_box(x_j, y_j, z_j, box, box[6]) else 0
     return slot
 
 
 @cpu_helper
 def buffers(size, position, like):
-    """Return scratch for ``size`` particles with all their images: coordinates and weights."""
-    wide = position.dtype
-    return np.empty(8 * size, wide), np.empty(8 * size, wide), np.empty(8 * size, wide), np.empty(8 * size, like.dtype)
+    """Return scratch for ``size`` particles with all their images, and one more: coordinates and weights."""
+    wide, most = position.dtype, 8 * size + 1
+    return np.empty(most, wide), np.empty(most, wide), np.empty(most, wide), np.empty(most, like.dtype)
 
 
 @cpu_helper
-def cell_middle(grid, c_x, c_y, c_z, position):
-    """Return the middle of a cell in the precision of positions [m]."""
+def _middle(cell, count, origin, length, edge):
+    """Return the middle of a cell along an axis, and half its edge; the last of a periodic axis ends where the axis does."""
+    half = edge / type(edge)(2)
+    if length > type(edge)(0) and cell == count - 1:
+        half = max(length - type(edge)(count - 1) * edge, edge) / type(edge)(2)
+    return origin + type(edge)(cell) * edge + half, half
+
+
+@cpu_helper
+def box_of(grid, smoothing, period, c_x, c_y, c_z, position):
+    """Return the middle of a cell, half its edges, and the support with some slack, in the precision of positions [m]."""
     wide = position.dtype.type
-    half, edge = wide(0.5), wide(1) / wide(grid.inverse_cell)
-    return (
-        wide(grid.origin_x) + (wide(c_x) + half) * edge,
-        wide(grid.origin_y) + (wide(c_y) + half) * edge,
-        wide(grid.origin_z) + (wide(c_z) + half) * edge,
-    )
+    edge = wide(1) / wide(grid.inverse_cell)
+    x, half_x = _middle(c_x, grid.nx, wide(grid.origin_x), wide(period.length_x), edge)
+    y, half_y = _middle(c_y, grid.ny, wide(grid.origin_y), wide(period.length_y), edge)
+    z, half_z = _middle(c_z, grid.nz, wide(grid.origin_z), wide(period.length_z), edge)
+    return x, y, z, half_x, half_y, half_z, wide(1.01) * wide(smoothing.support)

@@ -4,16 +4,7 @@ import numpy as np
 
 from melt._compile import cpu_helper
 from melt.physics.ghosts import (
-    CANDIDATE,
-    DROPPED,
-    GHOST,
-    UNITS,
-    cell_turn,
-    gap_units,
-    jitter_units,
-    point_shift,
-    point_turn,
-    squared_units,
+    CANDIDATE, DROPPED, GHOST, UNITS, cell_order, cell_turn, gap_units, jitter_units, point_shift, squared_units,
 )
 
 
@@ -56,6 +47,13 @@ def _neighbour(cell, k, count, length):
 
 
 @cpu_helper
+def _facing(o, reach, count):
+    """Return the range of lattice numbers of the cell o on along an axis that can be within reach of this one."""
+    deep = min((reach + 63) // UNITS + 1, count)
+    return (count - deep if o < 0 else np.int64(0)), (deep if o > 0 else count)
+
+
+@cpu_helper
 def _any(ghost_state, base, size, value):
     found = np.int32(0)
     for q in range(np.uint64(base), np.uint64(base + size)):
@@ -77,12 +75,14 @@ def _thin_cell(ghost_state, c_x, c_y, c_z, grid, period, ghosts, p_x, p_y, p_z):
     gap_x, gap_y = gap_units(period.length_x, grid.nx, ghosts), gap_units(period.length_y, grid.ny, ghosts)
     gap_z = gap_units(period.length_z, grid.nz, ghosts)
     edge, half = across * UNITS, np.int64(UNITS // 2)
-    for p in range(size):
-        if ghost_state[base + p] == CANDIDATE or ghost_state[base + p] == GHOST:
-            x, y, z = point_shift(base + p, ghosts)
-            p_x[p] = p % across * UNITS + half + x
-            p_y[p] = p // across % layers * UNITS + half + y
-            p_z[p] = p // (across * layers) * UNITS + half + z
+    p = np.uint64(0)
+    for k in range(across):
+        for j in range(layers):
+            for i in range(across):
+                if ghost_state[np.uint64(base) + p] == CANDIDATE:
+                    x, y, z = point_shift(np.uint64(base) + p, ghosts)
+                    p_x[p], p_y[p], p_z[p] = i * UNITS + half + x, j * UNITS + half + y, k * UNITS + half + z
+                p += np.uint64(1)
     for n in range(27):
         m_x, seam_x = _neighbour(c_x, n % 3 - 1, grid.nx, period.length_x)
         m_y, seam_y = _neighbour(c_y, n // 3 % 3 - 1, grid.ny, period.length_y)
@@ -95,15 +95,23 @@ def _thin_cell(ghost_state, c_x, c_y, c_z, grid, period, ghosts, p_x, p_y, p_z):
         o_x = (n % 3 - 1) * edge + seam_x * gap_x + half
         o_y = (n // 3 % 3 - 1) * layers * UNITS + seam_y * gap_y + half
         o_z = (n // 9 - 1) * edge + seam_z * gap_z + half
-        for q in range(size):
-            if ghost_state[other + q] == GHOST:
-                x, y, z = point_shift(other + q, ghosts)
-                x += o_x + q % across * UNITS
-                y += o_y + q // across % layers * UNITS
-                z += o_z + q // (across * layers) * UNITS
-                _rule_out(x, y, z, p_x, p_y, p_z, base, across, layers, reach, limit, ghost_state)
-    for m in range(size):
-        p = point_turn(c_x + grid.nx * (c_y + grid.ny * c_z), m, size, across, ghosts)
+        i_0, i_1 = _facing(n % 3 - 1, reach, across)
+        j_0, j_1 = _facing(n // 3 % 3 - 1, reach, layers)
+        k_0, k_1 = _facing(n // 9 - 1, reach, across)
+        for k in range(k_0, k_1):
+            for j in range(j_0, j_1):
+                line = other + across * (j + layers * k)
+                for q in range(np.uint64(line + i_0), np.uint64(line + i_1)):
+                    if ghost_state[q] == GHOST:
+                        x, y, z = point_shift(q, ghosts)
+                        x += o_x + (np.int64(q) - line) * UNITS
+                        y += o_y + j * UNITS
+                        z += o_z + k * UNITS
+                        _rule_out(x, y, z, p_x, p_y, p_z, base, across, layers, reach, limit, ghost_state)
+    p, stride = cell_order(c_x + grid.nx * (c_y + grid.ny * c_z), size, across, ghosts)
+    for _ in range(size):
+        p += stride
+        p -= size if p >= size else 0
         if ghost_state[base + p] == CANDIDATE:
             ghost_state[base + p] = GHOST
             _rule_out(

@@ -5,8 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.cpu._ghost_rows import buffers, cell_middle, copy_ghosts, copy_near, near_rows
-from melt.physics.period import wrap
+from melt.cpu._ghost_rows import box_of, buffers, copy_ghosts, copy_near, near_rows, other_images
 from melt.physics.search import axis_cell
 from melt.physics.smoothing import W, dW_over_r
 
@@ -44,10 +43,11 @@ def _piece_volumes(
         if total + total_g > most:
             most = 2 * (total + total_g)
             x, y, z, weight = buffers(most, position, volume)
-        middle = cell_middle(grid, c_x, c_y, c_z, position)
-        slot = copy_near(position, phase, volume, True, row, rows, middle, grid, period, x, y, z, weight, 0)
-        slot = copy_near(position, phase, volume, False, row, rows, middle, grid, period, x, y, z, weight, slot)
-        slot = copy_ghosts(ghost_position, row_g, rows_g, middle, grid, period, x, y, z, weight, slot)
+        box = box_of(grid, smoothing, period, c_x, c_y, c_z, position)
+        slot = copy_near(position, phase, volume, True, row, rows, box, period, x, y, z, weight, 0)
+        slot = copy_near(position, phase, volume, False, row, rows, box, period, x, y, z, weight, slot)
+        slot = copy_ghosts(ghost_position, ghost_volume, row_g, rows_g, box, period, x, y, z, weight, slot)
+        slot = other_images(box, grid, period, x, y, z, weight, 0, slot)
         for g in range(begin, end):
             total_w = _kernel_sum(
                 x, y, z, slot, ghost_position[0, g], ghost_position[1, g], ghost_position[2, g], smoothing
@@ -71,19 +71,54 @@ def ghost_volume(
 
 
 @cpu_helper
-def _ghosts_of(x, y, z, row, rows, ghost_position, ghost_volume, smoothing, period, poisson):
+def _ghosts_of(x, y, z, weight, stop, x_i, y_i, z_i, smoothing, poisson):
     """Return the ghosts' share of the density ratio of a particle, and their part in its Laplacian."""
     real = type(smoothing.support)
     ratio = laplacian = real(0)
-    for r in range(rows):
-        for g in range(np.uint64(row[r, 0]), np.uint64(row[r, 1])):
-            d_x = real(wrap(x - ghost_position[0, g], period.length_x, period.inverse_x))
-            d_y = real(wrap(y - ghost_position[1, g], period.length_y, period.inverse_y))
-            d_z = real(wrap(z - ghost_position[2, g], period.length_z, period.inverse_z))
-            r2 = d_x * d_x + d_y * d_y + d_z * d_z
-            ratio += ghost_volume[g] * W(math.sqrt(r2), smoothing)
-            laplacian -= ghost_volume[g] * dW_over_r(r2, smoothing) * (r2 / (r2 + poisson.floor))
+    for k in range(np.uint64(stop)):
+        d_x, d_y, d_z = real(x_i - x[k]), real(y_i - y[k]), real(z_i - z[k])
+        r2 = d_x * d_x + d_y * d_y + d_z * d_z
+        ratio += weight[k] * W(math.sqrt(r2), smoothing)
+        laplacian -= weight[k] * dW_over_r(r2, smoothing) * (r2 / (r2 + poisson.floor))
     return ratio, laplacian
+
+
+@cpu_helper
+def _piece_complete(
+    position, density_ratio, dfsph_factor, ghost_position, ghost_volume, ghost_start, grid, smoothing, period, poisson,
+    completed_ratio, ghost_laplacian, first, stop,
+):
+    real = type(smoothing.support)
+    number = np.int64(ghost_position.shape[1])
+    row = np.empty((27, 2), np.int64)
+    most = np.int64(256)
+    x, y, z, weight = buffers(most, position, ghost_volume)
+    cell, ghosts = np.int64(-1), np.int64(0)
+    for i in range(first, stop):
+        s = density_ratio[i]
+        completed_ratio[i] = s
+        ghost_laplacian[i] = real(0)
+        if not dfsph_factor[i] > real(0):
+            continue
+        c_x = axis_cell(position[0, i], grid.origin_x, grid.inverse_cell, grid.nx)
+        c_y = axis_cell(position[1, i], grid.origin_y, grid.inverse_cell, grid.ny)
+        c_z = axis_cell(position[2, i], grid.origin_z, grid.inverse_cell, grid.nz)
+        c = c_x + np.int64(grid.nx) * (c_y + np.int64(grid.ny) * c_z)
+        if c != cell:  # particles are in the order of cells: those of one share what is around it
+            cell = c
+            rows, total = near_rows(ghost_start, number, grid, period, c_x, c_y, c_z, row)
+            if total > most:
+                most = 2 * total
+                x, y, z, weight = buffers(most, position, ghost_volume)
+            box = box_of(grid, smoothing, period, c_x, c_y, c_z, position)
+            ghosts = copy_ghosts(ghost_position, ghost_volume, row, rows, box, period, x, y, z, weight, 0)
+            ghosts = other_images(box, grid, period, x, y, z, weight, 0, ghosts)
+        if ghosts > 0:
+            more, laplacian = _ghosts_of(
+                x, y, z, weight, ghosts, position[0, i], position[1, i], position[2, i], smoothing, poisson
+            )
+            completed_ratio[i] = min(s + more, max(s, real(1)))
+            ghost_laplacian[i] = laplacian
 
 
 @cpu_stage
@@ -92,24 +127,9 @@ def ghost_complete(
     completed_ratio, ghost_laplacian,
 ):
     """See `melt.reference.ghost_sums.ghost_complete`."""
-    real = type(smoothing.support)
-    n, number = density_ratio.shape[0], np.int64(ghost_position.shape[1])
+    n = density_ratio.shape[0]
     for piece in prange(PIECES):
-        row = np.empty((27, 2), np.int64)
-        for i in range(n * piece // PIECES, n * (piece + 1) // PIECES):
-            s = density_ratio[i]
-            completed_ratio[i] = s
-            ghost_laplacian[i] = real(0)
-            if not dfsph_factor[i] > real(0):
-                continue
-            x, y, z = position[0, i], position[1, i], position[2, i]
-            c_x = axis_cell(x, grid.origin_x, grid.inverse_cell, grid.nx)
-            c_y = axis_cell(y, grid.origin_y, grid.inverse_cell, grid.ny)
-            c_z = axis_cell(z, grid.origin_z, grid.inverse_cell, grid.nz)
-            rows, total = near_rows(ghost_start, number, grid, period, c_x, c_y, c_z, row)
-            if total > 0:
-                more, laplacian = _ghosts_of(
-                    x, y, z, row, rows, ghost_position, ghost_volume, smoothing, period, poisson
-                )
-                completed_ratio[i] = min(s + more, max(s, real(1)))
-                ghost_laplacian[i] = laplacian
+        _piece_complete(
+            position, density_ratio, dfsph_factor, ghost_position, ghost_volume, ghost_start, grid, smoothing, period,
+            poisson, completed_ratio, ghost_laplacian, n * piece // PIECES, n * (piece + 1) // PIECES,
+        )

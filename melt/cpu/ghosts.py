@@ -10,16 +10,10 @@ import math
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.cpu._ghost_rows import buffers, cell_middle, copy_near, near_rows
 from melt.cpu._ghost_thin import thin_rows
+from melt.cpu._ghost_rows import box_of, buffers, copy_near, near_box, near_rows, other_images
 from melt.physics.ghosts import (
-    CANDIDATE,
-    GHOST,
-    NONE,
-    in_box,
-    jitter_units,
-    point_coordinate,
-    point_shift,
+    CANDIDATE, GHOST, NONE, in_box, jitter_units, point_coordinate, point_shift,
 )
 from melt.physics.search import axis_cell
 from melt.physics.smoothing import W
@@ -37,8 +31,9 @@ def _any_liquid(phase, volume, row, rows):
 
 
 @cpu_helper
-def _points(c, c_x, c_y, c_z, layers, grid, ghosts, p_x, p_y, p_z):
+def _points(c, layers, grid, ghosts, p_x, p_y, p_z):
     """Write the positions of the points of a cell."""
+    c_x, c_y, c_z = c % grid.nx, c // grid.nx % grid.ny, c // (np.int64(grid.nx) * grid.ny)
     like = p_x[0]
     across = np.int64(ghosts.across)
     p = np.int64(0)
@@ -64,18 +59,26 @@ def _lattice_range(t, reach, count):
 
 
 @cpu_helper
-def _mark(x, y, z, first, stop, p_x, p_y, p_z, free, left, corner, layers, ghosts):
+def _near_cell(x, y, z, stop, box, reach, hit):
+    """Mark the particles closer than ``reach`` to a cell."""
+    wide = type(box[0])
+    for k in range(np.uint64(stop)):
+        hit[k] = near_box(x[k], y[k], z[k], box, wide(reach))
+
+
+@cpu_helper
+def _mark(x, y, z, stop, hit, p_x, p_y, p_z, free, corner, layers, ghosts):
     """Clear ``free`` of points that are nearer than ``distance`` to a particle; return how many are left."""
     real = type(ghosts.pitch)
     across = np.int64(ghosts.across)
     d2 = ghosts.distance * ghosts.distance
     scale, half = real(1) / ghosts.pitch, real(0.5)
     # a hundredth more than what rounding could ask for
-    reach = (ghosts.distance * scale) + real(jitter_units(ghosts)) * real(1 / 128) + real(0.01)
-    for k in range(first, stop):
-        i_0, i_1 = _lattice_range(real(x[k] - corner[0]) * scale - half, reach, across)
-        if i_1 < i_0:
+    reach = ghosts.distance * scale + real(jitter_units(ghosts)) * real(1 / 128) + real(0.01)
+    for k in range(np.uint64(stop)):
+        if hit[k] == 0:
             continue
+        i_0, i_1 = _lattice_range(real(x[k] - corner[0]) * scale - half, reach, across)
         k_0, k_1 = _lattice_range(real(z[k] - corner[2]) * scale - half, reach, across)
         j_0, j_1 = np.int64(0), np.int64(0)
         if not ghosts.flat:
@@ -85,11 +88,10 @@ def _mark(x, y, z, first, stop, p_x, p_y, p_z, free, left, corner, layers, ghost
                 line = across * (b + layers * c)
                 for p in range(np.uint64(line + i_0), np.uint64(line + i_1 + 1)):
                     d_x, d_y, d_z = real(p_x[p] - x[k]), real(p_y[p] - y[k]), real(p_z[p] - z[k])
-                    if d_x * d_x + d_y * d_y + d_z * d_z < d2:
-                        left -= free[p]
-                        free[p] = 0
-        if left == 0:
-            break
+                    free[p] &= np.uint8(0) if d_x * d_x + d_y * d_y + d_z * d_z < d2 else np.uint8(1)
+    left = np.int32(0)
+    for p in range(np.uint64(p_x.shape[0])):
+        left += np.int32(free[p])
     return left
 
 
@@ -108,23 +110,20 @@ def _in_air(x, y, z, weight, liquids, p_x, p_y, p_z, smoothing, ghosts):
 
 
 @cpu_helper
-def _cell_candidates(c_x, c_y, c_z, c, layers, grid, smoothing, period, ghosts, near, points, free, ghost_state):
+def _cell_candidates(c, layers, grid, smoothing, period, ghosts, near, points, free, hit, ghost_state):
     """Write the states of the points of a cell from the particles around it."""
-    x, y, z, weight, liquids, solids, middle = near
+    x, y, z, weight, liquids, stop, box = near
     p_x, p_y, p_z = points
-    wide = type(middle[0])
     size = p_x.shape[0]
-    half = wide(0.5) / wide(grid.inverse_cell)
-    corner = middle[0] - half, middle[1] - half, middle[2] - half
-    _points(c, c_x, c_y, c_z, layers, grid, ghosts, p_x, p_y, p_z)
+    corner = box[0] - box[3], box[1] - box[4], box[2] - box[5]
+    _points(c, layers, grid, ghosts, p_x, p_y, p_z)
     for p in range(size):
         free[p] = 1
-    left = _mark(x, y, z, 0, liquids, p_x, p_y, p_z, free, size, corner, layers, ghosts)
-    if left > 0:
-        left = _mark(x, y, z, liquids, solids, p_x, p_y, p_z, free, left, corner, layers, ghosts)
+    _near_cell(x, y, z, stop, box, type(ghosts.pitch)(1.01) * ghosts.distance, hit)
+    left = _mark(x, y, z, stop, hit, p_x, p_y, p_z, free, corner, layers, ghosts)
     for p in range(size):
         state = NONE
-        if free[p] and in_box(p_x[p], period.lower_x, period.length_x):
+        if left > 0 and free[p] and in_box(p_x[p], period.lower_x, period.length_x):
             if in_box(p_y[p], period.lower_y, period.length_y) and in_box(p_z[p], period.lower_z, period.length_z):
                 if _in_air(x, y, z, weight, liquids, p_x[p], p_y[p], p_z[p], smoothing, ghosts):
                     state = CANDIDATE
@@ -144,7 +143,7 @@ def _piece_candidates(
     most = np.int64(512)
     x, y, z, weight = buffers(most, position, volume)
     points = np.empty(size, position.dtype), np.empty(size, position.dtype), np.empty(size, position.dtype)
-    free = np.empty(size, np.uint8)
+    free, hit = np.empty(size, np.uint8), np.empty(x.shape[0], np.uint8)
     for c in range(first, stop):
         c_x, c_y, c_z = c % grid.nx, c // grid.nx % grid.ny, c // (grid.nx * grid.ny)
         rows, total = near_rows(cell_start, active, grid, period, c_x, c_y, c_z, row)
@@ -155,13 +154,14 @@ def _piece_candidates(
         if total > most:  # a crowded cell
             most = 2 * total
             x, y, z, weight = buffers(most, position, volume)
-        middle = cell_middle(grid, c_x, c_y, c_z, position)
-        liquids = copy_near(position, phase, volume, True, row, rows, middle, grid, period, x, y, z, weight, 0)
-        solids = copy_near(position, phase, volume, False, row, rows, middle, grid, period, x, y, z, weight, liquids)
-        near = x, y, z, weight, liquids, solids, middle
-        _cell_candidates(
-            c_x, c_y, c_z, c, layers, grid, smoothing, period, ghosts, near, points, free, ghost_state,
-        )
+            hit = np.empty(x.shape[0], np.uint8)
+        box = box_of(grid, smoothing, period, c_x, c_y, c_z, position)
+        liquids = copy_near(position, phase, volume, True, row, rows, box, period, x, y, z, weight, 0)
+        liquids = other_images(box, grid, period, x, y, z, weight, 0, liquids)
+        stop = copy_near(position, phase, volume, False, row, rows, box, period, x, y, z, weight, liquids)
+        stop = other_images(box, grid, period, x, y, z, weight, liquids, stop)
+        near = x, y, z, weight, liquids, stop, box
+        _cell_candidates(c, layers, grid, smoothing, period, ghosts, near, points, free, hit, ghost_state)
 
 
 @cpu_stage

@@ -5,17 +5,7 @@ import math
 from melt._compile import cuda, cuda_kernel
 from melt.cuda._scan import inclusive_scan
 from melt.physics.ghosts import (
-    CANDIDATE,
-    DROPPED,
-    GHOST,
-    NONE,
-    UNITS,
-    cell_turn,
-    ghost_near,
-    in_box,
-    point_coordinate,
-    point_shift,
-    point_turn,
+    CANDIDATE, DROPPED, GHOST, NONE, UNITS, cell_order, cell_turn, ghost_near, in_box, point_coordinate, point_shift,
     squared_units,
 )
 from melt.physics.period import near_cell, wrap
@@ -118,8 +108,9 @@ def _take(cells, size, turn, grid, period, ghosts, ghost_state):
     across = ghosts.across
     layers = 1 if ghosts.flat else across
     limit = squared_units(ghosts)
-    for m in range(size):
-        p = point_turn(c, m, size, across, ghosts)
+    p, stride = cell_order(c, size, across, ghosts)
+    for _ in range(size):
+        p = (p + stride) % size
         q = c * size + p
         if ghost_state[q] != CANDIDATE:
             continue

@@ -119,12 +119,12 @@ def cell_turn(cell, count, length):
 
 
 @scalar
-def point_turn(id, k, size, across, ghosts):
-    """Return the k-th point, from 0 to size - 1, that a cell takes in its turn: a stride without a common divisor."""
+def cell_order(id, size, across, ghosts):
+    """Return (start, stride) of the order in which cell ``id`` takes its points; no stride divides ``size``."""
     word = point_word(id, 1, ghosts.seed_low, ghosts.seed_high)
     part = np.uint64(0x7FFFFFFF)
     start, rows = np.int64(word & part) % size, np.int64((word >> np.uint64(32)) & part) % size
-    return (start + np.int64(k) * (rows * across + 1)) % size
+    return start, (rows * across + 1) % size if size > 1 else np.int64(0)
 
 
 @scalar_lookup
@@ -169,4 +169,6 @@ def ghost_near(ghost_state, id, grid, period, ghosts):
 def image(x, middle, length, inverse):
     """Return the image of x in a periodic box that is nearest to the middle of a cell; x itself for length 0."""
     wide = type(x)
+    if not length > type(length)(0):
+        return x
     return x - wide(length) * wide(math.floor((x - middle) * wide(inverse) + wide(0.5)))

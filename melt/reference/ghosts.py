@@ -82,10 +82,10 @@ def _turns(candidate, grid, period, ghosts):
         turn += 3**axis * np.where(last, 2, cells[axis] % 2)
     word = words(c, 1, ghosts)
     start = (word & np.uint64(2**31 - 1)).astype(np.int64) % size
-    stride = (word >> np.uint64(32) & np.uint64(2**31 - 1)).astype(np.int64) % size * a + 1
+    stride = (word >> np.uint64(32) & np.uint64(2**31 - 1)).astype(np.int64) % size * a + 1  # none divides size
     place = np.empty(candidate.size, dtype=np.int64)
     for k in range(size):  # the k-th point that a cell takes
-        place[(start + k * stride) % size == p] = k
+        place[(start + (k + 1) * stride) % size == p] = k
     return candidate[np.lexsort((place, c, turn))]
 
 
@@ -94,7 +94,7 @@ def ghost_thin(grid, period, ghosts, ghost_state):
 
     Candidates are taken one after the other; one becomes a ghost unless a ghost is nearer than `distance`.
     Their order: cells by their turn (even and odd along x, y, z; the last of an odd number of cells along a
-    periodic axis has a turn of its own), so that cells of one turn do not see each other; in a cell start,
+    periodic axis has a turn of its own), so that cells of one turn do not see each other; in a cell
     start + stride, start + 2 stride, ... modulo its points, both by the hash of the cell. Distances are
     compared in integers, the length of a periodic axis is rounded to 1/128 of the pitch.
 
