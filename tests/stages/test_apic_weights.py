@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from apic_cases import INACTIVE, WALL, W0, W1, case, periodic, run
+from apic_cases import INACTIVE, W0, W1, WALL, case, periodic, run
 from liquid_cases import everywhere, tolerance
 
 from melt import params as P
