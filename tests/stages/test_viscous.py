@@ -45,7 +45,7 @@ def test_temperature_law(backend, precision, law, slope, T, expected):
 @both
 def test_shear_thinning_yield_and_caps(backend, precision):
     a = arrays(precision, n=3, temperature=[], shear_rate=[4.0, 0.0, 1e4])
-    values = dict(mu=10.0, index=0.5, yield_stress=8.0, yield_rate=2.0)
+    values = dict(mu=10.0, power=0.5, yield_stress=8.0, yield_rate=2.0)
     mu = run("viscosity", backend, a, **values)["viscosity"]
     # 10/sqrt(4) + 8 (1 - e^-8)/4; 10/sqrt(1e-6) + 8 2; 10/sqrt(1e4) + 8/1e4
     assert mu == pytest.approx([5 + 2 * (1 - np.exp(-8)), 10016, 0.1008], rel=tolerance(precision))
