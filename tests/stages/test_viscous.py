@@ -33,7 +33,8 @@ def test_shear_rate_of_shear_rotation_and_extension(backend, precision):
 @everywhere
 @both
 @pytest.mark.parametrize(
-    "law, slope, T, expected", [(0, 3000, 40, 50), (1, 3000, 40, 50 * np.exp(3000 / 313.15 - 3000 / 293.15)), (2, 0.02, 40, 33.516002301781966)]
+    "law, slope, T, expected",
+    [(0, 3000, 40, 50), (1, 3000, 40, 50 * np.exp(3000 / 313.15 - 3000 / 293.15)), (2, 0.02, 40, 33.516002301781966)],
 )
 def test_temperature_law(backend, precision, law, slope, T, expected):
     a = arrays(precision, n=3, phase=[0, 1, 2], temperature=[T] * 3, shear_rate=[])
@@ -153,7 +154,8 @@ def test_one_iteration_by_hand(backend, precision):
     sums[0, 5], sums[0, 9] = 40.0, 60.0
     a = arrays(
         precision, near=PAIR, mass=[4.0, 1], volume=[0.5, 1], viscous_direction=[[1.0, 0], [2, 0], [0, 0]], velocity=np.ones((3, 2)),
-        viscous_residual=[[20.0, 0], [8, 0], [1, 0]], pair_gradient=g, pair_shear=w, viscous_block=block, dilation=[2.0, 0], viscous_sums=sums,
+        viscous_residual=[[20.0, 0], [8, 0], [1, 0]], pair_gradient=g, pair_shear=w, viscous_block=block,
+        dilation=[2.0, 0], viscous_sums=sums,
     )
     run("viscous_apply", backend, a, dt=0.5)
     # 8 (1, 2, 0) + 3 (3, 0, 4) - 0.5 2 (2, 0, 0)
