@@ -18,7 +18,7 @@ PERIOD = dict(
 DFSPH = dict(omega=0.5, warm=0.5, warm_limit=10.0, fewest=20, least=1e-6 / SUPPORT**2)
 POISSON = dict(rest_density=1000.0, floor=1e-4 * SUPPORT**2, pull=0.02, full_share=0.85, clamp=0)
 VISCOUS = dict(
-    law=1, mu=50.0, slope=3000.0, reference_temperature=20.0, index=0.7, yield_stress=5.0, yield_rate=10.0, smallest=1.0,
+    law=1, mu=50.0, slope=3000.0, reference_temperature=20.0, power=0.7, yield_stress=5.0, yield_rate=10.0, smallest=1.0,
     largest=400.0, wall=0.8, strength=10.0, floor=1e-4 * SUPPORT**2, gamma=10.0,
 )
 GHOSTS = dict(

@@ -6,7 +6,7 @@ import numpy as np
 OPTIONAL = ("temperature", "shear_rate", "dilation", "viscous_pressure", "ghost_laplacian")
 BOX = dict(length_x=32.0, inverse_x=1 / 32)  # exact, and so long that nothing meets its own image
 EXTRA = {
-    "viscosity": [{"temperature": 0}, {"shear_rate": 0}, {"index": 1.0}, {"yield_stress": 0.0}, {"law": 2, "slope": 0.02}],
+    "viscosity": [{"temperature": 0}, {"shear_rate": 0}, {"power": 1.0}, {"yield_stress": 0.0}, {"law": 2, "slope": 0.02}],
     "pair_shear": [{"gamma": 0.0}, {"dimension": 2}, BOX],
     "viscous_start": [{"dilation": 0, "viscous_pressure": 0}],
     "viscous_apply": [{"dilation": 0}],

@@ -26,8 +26,8 @@ def apparent_viscosity(mu, rate, viscous):
     """Return the uncapped viscosity [Pa s] of a Herschel-Bulkley liquid at a shear rate [1/s]."""
     real = type(mu)
     eta = mu
-    if viscous.index != real(1):
-        eta = mu * max(rate, real(1e-6)) ** (viscous.index - real(1))
+    if viscous.power != real(1):
+        eta = mu * max(rate, real(1e-6)) ** (viscous.power - real(1))
     turns = viscous.yield_rate * rate
     if turns > real(1e-9):
         return eta - viscous.yield_stress * math.expm1(-turns) / rate

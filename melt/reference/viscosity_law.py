@@ -42,6 +42,6 @@ def viscosity(phase, temperature, shear_rate, viscous, viscosity):
             mu *= np.exp(min(power, 700.0))
         if len(shear_rate):
             rate, m, tau = float(shear_rate[i]), float(viscous.yield_rate), float(viscous.yield_stress)
-            mu *= max(rate, 1e-6) ** (float(viscous.index) - 1)
+            mu *= max(rate, 1e-6) ** (float(viscous.power) - 1)
             mu += tau * (-np.expm1(-m * rate) / rate if rate > 0 else m)
         viscosity[i] = min(max(mu, float(viscous.smallest)), float(viscous.largest))

@@ -17,7 +17,7 @@ TUPLES = dict(
     viscous=(
         P.Viscous,
         dict(
-            law=0, mu=50.0, slope=0.0, reference_temperature=20.0, index=1.0, yield_stress=0.0, yield_rate=0.0, smallest=0.0,
+            law=0, mu=50.0, slope=0.0, reference_temperature=20.0, power=1.0, yield_stress=0.0, yield_rate=0.0, smallest=0.0,
             largest=1e9, wall=0.8, strength=10.0, floor=1e-4 * H**2, gamma=0.0,
         ),
     ),

@@ -33,7 +33,8 @@ def test_shear_rate_of_shear_rotation_and_extension(backend, precision):
 @everywhere
 @both
 @pytest.mark.parametrize(
-    "law, slope, T, expected", [(0, 3000, 40, 50), (1, 3000, 40, 50 * np.exp(3000 / 313.15 - 3000 / 293.15)), (2, 0.02, 40, 33.516002301781966)]
+    "law, slope, T, expected",
+    [(0, 3000, 40, 50), (1, 3000, 40, 50 * np.exp(3000 / 313.15 - 3000 / 293.15)), (2, 0.02, 40, 33.516002301781966)],
 )
 def test_temperature_law(backend, precision, law, slope, T, expected):
     a = arrays(precision, n=3, phase=[0, 1, 2], temperature=[T] * 3, shear_rate=[])
@@ -45,7 +46,7 @@ def test_temperature_law(backend, precision, law, slope, T, expected):
 @both
 def test_shear_thinning_yield_and_caps(backend, precision):
     a = arrays(precision, n=3, temperature=[], shear_rate=[4.0, 0.0, 1e4])
-    values = dict(mu=10.0, index=0.5, yield_stress=8.0, yield_rate=2.0)
+    values = dict(mu=10.0, power=0.5, yield_stress=8.0, yield_rate=2.0)
     mu = run("viscosity", backend, a, **values)["viscosity"]
     # 10/sqrt(4) + 8 (1 - e^-8)/4; 10/sqrt(1e-6) + 8 2; 10/sqrt(1e4) + 8/1e4
     assert mu == pytest.approx([5 + 2 * (1 - np.exp(-8)), 10016, 0.1008], rel=tolerance(precision))
@@ -153,7 +154,8 @@ def test_one_iteration_by_hand(backend, precision):
     sums[0, 5], sums[0, 9] = 40.0, 60.0
     a = arrays(
         precision, near=PAIR, mass=[4.0, 1], volume=[0.5, 1], viscous_direction=[[1.0, 0], [2, 0], [0, 0]], velocity=np.ones((3, 2)),
-        viscous_residual=[[20.0, 0], [8, 0], [1, 0]], pair_gradient=g, pair_shear=w, viscous_block=block, dilation=[2.0, 0], viscous_sums=sums,
+        viscous_residual=[[20.0, 0], [8, 0], [1, 0]], pair_gradient=g, pair_shear=w, viscous_block=block,
+        dilation=[2.0, 0], viscous_sums=sums,
     )
     run("viscous_apply", backend, a, dt=0.5)
     # 8 (1, 2, 0) + 3 (3, 0, 4) - 0.5 2 (2, 0, 0)
