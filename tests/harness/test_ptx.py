@@ -41,6 +41,7 @@ def test_every_kernel_compiles_for_every_capability_in_single_precision(single):
 
 #: Kernels of fields of kind "double": ledgers, and the volumes of bubbles, which must add up to the last digits.
 LEDGERS = {
+    "apic_back._apic_sums",
     "boil_grid._voxel_heater", "boil_heat._boil_content", "boil_heat._boil_cooling", "boil_heat._boil_heater", "boost._liquid_sums",
     "bubble_birth._birth_excess", "bubble_birth._spawn_bubbles", "bubble_growth._bubble_growth", "bubble_merge._merge_members",
     "bubble_merge._merge_removed", "flood_guard._guard_sums", "flood_sources._seepage_sums", "flood_zones._zone_parts",
