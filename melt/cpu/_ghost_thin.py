@@ -4,7 +4,16 @@ import numpy as np
 
 from melt._compile import cpu_helper
 from melt.physics.ghosts import (
-    CANDIDATE, DROPPED, GHOST, UNITS, cell_order, cell_turn, gap_units, jitter_units, point_shift, squared_units,
+    CANDIDATE,
+    DROPPED,
+    GHOST,
+    UNITS,
+    cell_order,
+    cell_turn,
+    gap_units,
+    jitter_units,
+    point_shift,
+    squared_units,
 )
 
 

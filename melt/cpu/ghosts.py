@@ -10,10 +10,16 @@ import math
 import numpy as np
 
 from melt._compile import cpu_helper, cpu_stage, prange
-from melt.cpu._ghost_thin import thin_rows
 from melt.cpu._ghost_rows import box_of, buffers, copy_near, near_box, near_rows, other_images
+from melt.cpu._ghost_thin import thin_rows
 from melt.physics.ghosts import (
-    CANDIDATE, GHOST, NONE, in_box, jitter_units, point_coordinate, point_shift,
+    CANDIDATE,
+    GHOST,
+    NONE,
+    in_box,
+    jitter_units,
+    point_coordinate,
+    point_shift,
 )
 from melt.physics.search import axis_cell
 from melt.physics.smoothing import W

@@ -5,7 +5,17 @@ import math
 from melt._compile import cuda, cuda_kernel
 from melt.cuda._scan import inclusive_scan
 from melt.physics.ghosts import (
-    CANDIDATE, DROPPED, GHOST, NONE, UNITS, cell_order, cell_turn, ghost_near, in_box, point_coordinate, point_shift,
+    CANDIDATE,
+    DROPPED,
+    GHOST,
+    NONE,
+    UNITS,
+    cell_order,
+    cell_turn,
+    ghost_near,
+    in_box,
+    point_coordinate,
+    point_shift,
     squared_units,
 )
 from melt.physics.period import near_cell, wrap

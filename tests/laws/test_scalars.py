@@ -54,6 +54,7 @@ INTEGERS = {
     "coarse",
     "steps",
     "column",
+    "across",
 }
 #: Words of a random generator: uint64.
 WORDS = {"c0", "c1", "c2", "c3", "k0", "k1"}
@@ -64,6 +65,8 @@ ARRAYS |= {"boiling.heat_sum": (4, None), "boiling.constraint": (4, None), "boil
 ARRAYS |= {f"bubble_life.{name}": (4, np.int32) for name in ("bubble_index", "bubble_count", "merge_root", "merge_size", "cargo")}
 ARRAYS |= {f"bubble_life.{name}": (4, None) for name in ("bubble_volume", "bubble_radius")}
 ARRAYS |= {f"bubble_life.{name}": ((3, 4), None) for name in ("position", "velocity")}
+#: Lattice points of ghosts.
+ARRAYS |= {"ghosts.ghost_state": (4096, np.int32)}
 #: Node fields of a terrain grid.
 ARRAYS |= {"terrain.terrain": (99, None), "terrain.field": (99, None), "flood_motion.terrain_wall": (99, None)}
 ARRAYS |= {"flood_forces.terrain": (99, None), "flood_control.terrain": (99, None)}
