@@ -106,9 +106,9 @@ def moved_point(cell, row, k, count, across, length):
 
 
 @scalar
-def least_square(k, most):
-    """Return the smallest squared distance along an axis of points k apart, both shifted by up to ``most`` units."""
-    apart = max(abs(np.int64(k)) * np.int64(UNITS) - np.int64(2) * most, np.int64(0))
+def least_square(k, width):
+    """Return the smallest squared distance along an axis of points k apart, both shifted by up to ``width`` units."""
+    apart = max(abs(np.int64(k)) * np.int64(UNITS) - np.int64(2) * width, np.int64(0))
     return apart * apart
 
 
@@ -119,12 +119,12 @@ def cell_turn(cell, count, length):
 
 
 @scalar
-def cell_order(id, size, across, ghosts):
-    """Return (start, stride) of the order in which cell ``id`` takes its points; no stride divides ``size``."""
+def cell_order(id, count, across, ghosts):
+    """Return (start, stride) of the order in which cell ``id`` takes its points; no stride divides ``count``."""
     word = point_word(id, 1, ghosts.seed_low, ghosts.seed_high)
     part = np.uint64(0x7FFFFFFF)
-    start, rows = np.int64(word & part) % size, np.int64((word >> np.uint64(32)) & part) % size
-    return start, (rows * across + 1) % size if size > 1 else np.int64(0)
+    start, rows = np.int64(word & part) % count, np.int64((word >> np.uint64(32)) & part) % count
+    return start, (rows * across + 1) % count if count > 1 else np.int64(0)
 
 
 @scalar_lookup
