@@ -24,6 +24,7 @@ TABLE = [
     # nodes: pressure
     ("compression_source", "particle", "real", "1", "one", "density error that the solve has to remove"),
     ("solver_pressure", "particle", "real", "Pa", "pressure", "pressure of the solve under way"),
+    ("pressure_last", "particle", "real", "Pa", "pressure", "what the last update gave, before it was extrapolated"),
     ("pressure_acceleration", "3 particle", "real", "m/s^2", "acceleration", "acceleration by solver_pressure"),
     ("density_impulse", "particle", "real", "Pa s^2", "impulse", "pressure of the last density solve times dt^2"),
     ("divergence_impulse", "particle", "real", "Pa s^2", "impulse", "pressure of the last divergence solve times dt^2"),

@@ -33,6 +33,7 @@ LIST = [
     stage("pressure_update", "dfsph", "slime 2.7", f"pressure_acceleration compression_source dfsph_factor {PAIRS} solver_pressure",
            "dfsph dt",
            "solver_pressure compression_left pressure_error", STIFF),
+    stage("pressure_extrapolate", "dfsph", "slime 2.7 (Nesterov)", "solver_pressure pressure_last", "momentum", "solver_pressure pressure_last", FEW),
     stage("pressure_kick", "dfsph", "slime 2.7", "pressure_acceleration velocity", "dt", "velocity", FEW),
     stage("pressure_keep", "dfsph", "slime 2.7", "solver_pressure", "dt", "density_impulse", FEW),
     # ---- S7: ISPH

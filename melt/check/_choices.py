@@ -135,6 +135,7 @@ SCALARS = {
     "longest": 0.9,
     "deviation": 1.7,
     "shift": 0.01,
+    "momentum": 0.4,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.

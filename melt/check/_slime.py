@@ -94,6 +94,7 @@ def fields(arrays, rng):
         dfsph_factor=factor,
         compression_source=np.where(act, rng.normal(size=n) * 0.05, 0.0),
         solver_pressure=np.where(act, np.maximum(rng.normal(size=n), 0) * 3e3, 0.0),
+        pressure_last=np.where(act, np.maximum(rng.normal(size=n), 0) * 3e3, 0.0),
         pressure_acceleration=np.where(mobility > 0, rng.normal(size=(3, n)) * 20.0, 0.0),
         density_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         divergence_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),

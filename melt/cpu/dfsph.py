@@ -83,6 +83,17 @@ def pressure_update(
 
 
 @cpu_stage
+def pressure_extrapolate(momentum, solver_pressure, pressure_last):
+    """See `melt.reference.dfsph.pressure_extrapolate`."""
+    real = type(momentum)
+    for i in prange(solver_pressure.shape[0]):
+        p = solver_pressure[i]
+        ahead = p + momentum * (p - pressure_last[i]) if momentum > real(0) else p
+        solver_pressure[i] = real(0) if ahead <= real(0) else ahead  # a NaN stays
+        pressure_last[i] = p
+
+
+@cpu_stage
 def pressure_kick(pressure_acceleration, dt, velocity):
     """See `melt.reference.dfsph.pressure_kick`."""
     for i in prange(velocity.shape[1]):

@@ -117,6 +117,23 @@ def pressure_update(
 
 
 @cuda_kernel
+def _pressure_extrapolate(momentum, solver_pressure, pressure_last):
+    i = cuda.grid(1)
+    if i >= solver_pressure.shape[0]:
+        return
+    real = type(momentum)
+    p = solver_pressure[i]
+    ahead = p + momentum * (p - pressure_last[i]) if momentum > real(0) else p
+    solver_pressure[i] = real(0) if ahead <= real(0) else ahead  # a NaN stays
+    pressure_last[i] = p
+
+
+def pressure_extrapolate(momentum, solver_pressure, pressure_last):
+    """See `melt.reference.dfsph.pressure_extrapolate`."""
+    _pressure_extrapolate.launch(solver_pressure.shape[0], momentum, solver_pressure, pressure_last)
+
+
+@cuda_kernel
 def _pressure_kick(pressure_acceleration, dt, velocity):
     i = cuda.grid(1)
     if i >= velocity.shape[1]:

@@ -63,6 +63,7 @@ def settings_of(scene, initial, precision):
         density_tolerance=q.density_tolerance,
         divergence_tolerance=q.divergence_tolerance,
         max_iterations=q.max_iterations,
+        accelerate=q.accelerate,
         early_divergence=q.order == "bk",
         poisson_tolerance=q.poisson_tolerance,
         poisson_iterations=q.poisson_iterations,

@@ -51,13 +51,20 @@ def _jacobi(do, dt, name, tolerance, least):
     impulse = f"{name}_impulse"
     do.pressure_start(density_impulse=impulse, dt=dt)
     mean = largest = 0.0
+    since, before = 0, math.inf  # iterations since the momentum began
     for k in range(do.settings.max_iterations + 1):
         do.pressure_acceleration()
         do.pressure_update(dt=dt)
         sums = np.asarray(do.read("pressure_error"), np.float64)
         mean, largest = float(sums[0].sum() / max(sums[2].sum(), 1)), float(sums[1].max())
         # the error is that of the pressure before this update, which is what acts below
-        if (k >= least and mean <= tolerance) or not math.isfinite(mean) or do.recording:
+        if ((k >= least and mean <= tolerance) or not math.isfinite(mean)) and not do.recording:
+            break
+        if do.settings.accelerate:
+            since = 0 if mean > before else since + 1  # where it went wrong the momentum begins anew
+            do.pressure_extrapolate(momentum=(since - 1) / (since + 2) if since > 0 else 0.0)
+            before = mean
+        if do.recording:
             break
     do.pressure_kick(dt=dt)
     do.pressure_keep(density_impulse=impulse, dt=dt)
