@@ -91,11 +91,15 @@ def grid_of(scene, particles, real):
     most = max(4096, 8 * particles)
     while math.prod(math.ceil(e / edge) for e in extent) > most:
         edge *= 1.26
+    for k in (k for k in range(3) if "xyz"[k] in scene.domain.periodic):  # whole cells along the first periodic axis
+        length = scene.domain.upper[k] - scene.domain.lower[k]
+        edge = length / max(1, math.floor(length / edge * (1 + 1e-9)))
+        break
     cells = [math.ceil(e / edge) for e in extent]
     for k in range(3):  # a periodic axis has no margin, and its last cell is the larger one: all of the support is in the next
         if "xyz"[k] in scene.domain.periodic:
             lower[k] = scene.domain.lower[k]
-            cells[k] = max(1, math.floor((scene.domain.upper[k] - lower[k]) / edge))
+            cells[k] = max(1, math.floor((scene.domain.upper[k] - lower[k]) / edge * (1 + 1e-6)))
     if scene.domain.dimensions == 2:
         cells[1] = 1
     return P.make(

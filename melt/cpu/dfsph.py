@@ -108,3 +108,19 @@ def pressure_keep(solver_pressure, dt, density_impulse):
     dt2 = dt * dt
     for i in prange(solver_pressure.shape[0]):
         density_impulse[i] = solver_pressure[i] * dt2
+
+
+@cpu_stage
+def total_pressure(density_impulse, divergence_impulse, poisson_pressure, viscous_pressure, dt, pressure):
+    """See `melt.reference.dfsph.total_pressure`."""
+    real = type(dt)
+    per_dt2 = real(1) / (dt * dt)
+    for i in prange(pressure.shape[0]):
+        p = real(0)
+        if density_impulse.shape[0] > 0:
+            p += (density_impulse[i] + divergence_impulse[i]) * per_dt2
+        if poisson_pressure.shape[0] > 0:
+            p += poisson_pressure[i]
+        if viscous_pressure.shape[0] > 0:
+            p += viscous_pressure[i]
+        pressure[i] = p

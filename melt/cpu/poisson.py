@@ -44,14 +44,14 @@ def poisson_pairs(
 @cpu_stage
 def poisson_start(
     velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index,
-    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, poisson_residual, poisson_direction, poisson_sums,
+    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
 ):
     """See `melt.reference.poisson.poisson_start`."""
     real = type(dt)
     wide = np.float64
     n = volume.shape[0]
     for share in prange(64):
-        rz = rr = bb = wide(0)
+        rz = rr = bb = left = number = wide(0)
         for i in range(share * n // 64, (share + 1) * n // 64):
             if not poisson_diagonal[i] > real(0):
                 poisson_residual[i] = real(0)
@@ -70,14 +70,17 @@ def poisson_start(
                 total += pair_poisson[i, k] * (p_i - poisson_pressure[j])
             s = completed_ratio[i]
             lack = poisson.pull * min(real(0), s - real(1)) / dt
-            b = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt)
+            b = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt) - shift
             r = b - (total + poisson_ghost[i] * p_i)
             d = r / poisson_diagonal[i]
             poisson_residual[i], poisson_direction[i] = r, d
             rz += wide(r) * wide(d)
             rr += wide(r) * wide(r)
             bb += wide(b) * wide(b)
+            left += wide(r)
+            number += wide(1)
         poisson_sums[0, share], poisson_sums[3, share], poisson_sums[4, share] = rz, rr, bb
+        poisson_sums[1, share], poisson_sums[2, share] = left, number
 
 
 @cpu_stage

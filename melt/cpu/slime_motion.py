@@ -66,14 +66,14 @@ def nozzle_hold(phase, position, nozzle_place, nozzle_speed, held, velocity):
 
 
 @cpu_stage
-def weight(phase, mass, fluid, force):
+def weight(position, phase, mass, fluid, force):
     """See `melt.reference.slime_motion.weight`."""
     real = mass.dtype.type
     for i in prange(phase.shape[0]):
         m = mass[i] if phase[i] <= SOLID else real(0)
-        force[0, i] = m * fluid.gravity_x
-        force[1, i] = m * fluid.gravity_y
-        force[2, i] = m * fluid.gravity_z
+        force[0, i] = m * (fluid.gravity_x - fluid.central * real(position[0, i]))
+        force[1, i] = m * (fluid.gravity_y - fluid.central * real(position[1, i]))
+        force[2, i] = m * (fluid.gravity_z - fluid.central * real(position[2, i]))
 
 
 @cpu_stage

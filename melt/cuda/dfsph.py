@@ -159,3 +159,27 @@ def _pressure_keep(solver_pressure, dt, density_impulse):
 def pressure_keep(solver_pressure, dt, density_impulse):
     """See `melt.reference.dfsph.pressure_keep`."""
     _pressure_keep.launch(solver_pressure.shape[0], solver_pressure, dt, density_impulse)
+
+
+@cuda_kernel
+def _total_pressure(density_impulse, divergence_impulse, poisson_pressure, viscous_pressure, dt, pressure):
+    i = cuda.grid(1)
+    if i >= pressure.shape[0]:
+        return
+    real = type(dt)
+    per_dt2 = real(1) / (dt * dt)
+    p = real(0)
+    if density_impulse.shape[0] > 0:
+        p += (density_impulse[i] + divergence_impulse[i]) * per_dt2
+    if poisson_pressure.shape[0] > 0:
+        p += poisson_pressure[i]
+    if viscous_pressure.shape[0] > 0:
+        p += viscous_pressure[i]
+    pressure[i] = p
+
+
+def total_pressure(density_impulse, divergence_impulse, poisson_pressure, viscous_pressure, dt, pressure):
+    """See `melt.reference.dfsph.total_pressure`."""
+    _total_pressure.launch(
+        pressure.shape[0], density_impulse, divergence_impulse, poisson_pressure, viscous_pressure, dt, pressure
+    )

@@ -53,7 +53,7 @@ def poisson_pairs(
 @cuda_kernel
 def _poisson_right(
     velocity, volume, completed_ratio, poisson_diagonal, neighbour_count, neighbour_index, pair_gradient,
-    poisson, dt, poisson_residual,
+    poisson, dt, shift, poisson_residual,
 ):
     i = cuda.grid(1)
     if i >= volume.shape[0]:
@@ -74,7 +74,7 @@ def _poisson_right(
         )
     s = completed_ratio[i]
     lack = poisson.pull * min(real(0), s - real(1)) / dt
-    poisson_residual[i] = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt)
+    poisson_residual[i] = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt) - shift
 
 
 @cuda_kernel
@@ -97,15 +97,29 @@ def _poisson_start(
     poisson_direction[i] = r / poisson_diagonal[i]
 
 
+@cuda_kernel
+def _left(poisson_residual, poisson_diagonal, poisson_sums):
+    share = cuda.grid(1)
+    if share >= 64:
+        return
+    n = poisson_residual.shape[0]
+    wide = poisson_sums.dtype.type
+    left = number = wide(0)
+    for i in range(share * n // 64, (share + 1) * n // 64):
+        left += wide(poisson_residual[i])
+        number += wide(1) if poisson_diagonal[i] > poisson_diagonal.dtype.type(0) else wide(0)
+    poisson_sums[1, share], poisson_sums[2, share] = left, number
+
+
 def poisson_start(
     velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index,
-    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, poisson_residual, poisson_direction, poisson_sums,
+    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
 ):
     """See `melt.reference.poisson.poisson_start`. The residual holds b until b.b is known."""
     n = volume.shape[0]
     _poisson_right.launch(
         n, velocity, volume, completed_ratio, poisson_diagonal, neighbour_count, neighbour_index, pair_gradient,
-        poisson, dt, poisson_residual,
+        poisson, dt, shift, poisson_residual,
     )
     dot.launch(64, poisson_residual, poisson_residual, 4, poisson_sums)
     _poisson_start.launch(
@@ -114,6 +128,7 @@ def poisson_start(
     )
     dot.launch(64, poisson_residual, poisson_direction, 0, poisson_sums)
     dot.launch(64, poisson_residual, poisson_residual, 3, poisson_sums)
+    _left.launch(64, poisson_residual, poisson_diagonal, poisson_sums)
 
 
 @cuda_kernel

@@ -78,20 +78,20 @@ def nozzle_hold(phase, position, nozzle_place, nozzle_speed, held, velocity):
 
 
 @cuda_kernel
-def _weight(phase, mass, fluid, force):
+def _weight(position, phase, mass, fluid, force):
     i = cuda.grid(1)
     if i >= phase.shape[0]:
         return
     real = mass.dtype.type
     m = mass[i] if phase[i] <= SOLID else real(0)
-    force[0, i] = m * fluid.gravity_x
-    force[1, i] = m * fluid.gravity_y
-    force[2, i] = m * fluid.gravity_z
+    force[0, i] = m * (fluid.gravity_x - fluid.central * real(position[0, i]))
+    force[1, i] = m * (fluid.gravity_y - fluid.central * real(position[1, i]))
+    force[2, i] = m * (fluid.gravity_z - fluid.central * real(position[2, i]))
 
 
-def weight(phase, mass, fluid, force):
+def weight(position, phase, mass, fluid, force):
     """See `melt.reference.slime_motion.weight`."""
-    _weight.launch(phase.shape[0], phase, mass, fluid, force)
+    _weight.launch(phase.shape[0], position, phase, mass, fluid, force)
 
 
 @cuda_kernel

@@ -102,3 +102,18 @@ def pressure_keep(solver_pressure, dt, density_impulse):
     Reads: solver_pressure (n,) [Pa], dt [s]. Writes: density_impulse (n,) [Pa s^2].
     """
     density_impulse[:] = solver_pressure.astype(np.float64) * float(dt) ** 2
+
+
+def total_pressure(density_impulse, divergence_impulse, poisson_pressure, viscous_pressure, dt, pressure):
+    """Write the pressure that a sub-step of dt used: of both DFSPH solves, the Poisson equation and viscosity's multiplier.
+
+    Reads: density_impulse, divergence_impulse (n,) [Pa s^2], poisson_pressure, viscous_pressure (n,) [Pa], each of length 0
+        where the scene has none, dt [s]. Writes: pressure (n,) [Pa].
+    """
+    pressure[:] = 0
+    for impulse in (density_impulse, divergence_impulse):
+        if len(impulse):
+            pressure += (impulse.astype(np.float64) / float(dt) ** 2).astype(pressure.dtype)
+    for part in (poisson_pressure, viscous_pressure):
+        if len(part):
+            pressure += part

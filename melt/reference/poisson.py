@@ -44,14 +44,14 @@ def poisson_pairs(
 
 def poisson_start(
     velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index,
-    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, poisson_residual, poisson_direction, poisson_sums,
+    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
 ):
-    r"""Write residual r = b - S p, direction z = r/diagonal, and the partial sums of r.z (0), r.r (3), b.b (4).
+    r"""Write residual r = b - S p, direction z = r/diagonal, and the partial sums of r.z, r, particles, r.r and b.b.
 
     b_i = V_i \rho_0 [\dot s_i/(s_i dt) + pull min(0, s_i - 1)/dt^2], \dot s_i = sum_j c_j g_ij.(v_i - v_j) over all
-    neighbours; c_j = 2 for walls and all else without a pressure: their velocity is mirrored, 2 v_b - v_i, so that
-    all of the flow into the wall counts. (With c_j = 1 half of it lies inside of the wall, and water at rest has half of
-    its pressure, measured.)
+    neighbours, minus ``shift``, which makes the sum of b vanish where no surface fixes the pressure; c_j = 2 for walls and
+    all else without a pressure: their velocity is mirrored, 2 v_b - v_i, so that all of the flow into the wall counts.
+    (With c_j = 1 half of it lies inside of the wall, and water at rest has half of its pressure, measured.)
 
     Reads: velocity (3, n) [m/s], volume (n,) [m^3], completed_ratio (n,), poisson_ghost, poisson_diagonal (n,)
         [m] (0: no pressure), the lists, pair_gradient (3, n, m) [1/m], pair_poisson (n, m) [m],
@@ -68,10 +68,11 @@ def poisson_start(
         mirror = np.where(poisson_diagonal[near] > 0, 1.0, 2.0)
         rate = (mirror * pair_gradient[:, i, : len(near)].astype(float) * (v[:, i, None] - v[:, near])).sum()
         b[i] = V[i] * float(poisson.rest_density) * (rate / s / dt + float(poisson.pull) * min(0.0, s - 1) / dt**2)
+        b[i] -= float(shift)
         r = b[i] - _times(i, near, pair_poisson, poisson_ghost, p)
         poisson_residual[i], poisson_direction[i] = r, r / float(poisson_diagonal[i])
     r = poisson_residual.astype(float)
-    for row, product in ((0, r * poisson_direction), (3, r * r), (4, b * b)):
+    for row, product in ((0, r * poisson_direction), (1, r), (2, poisson_diagonal > 0), (3, r * r), (4, b * b)):
         poisson_sums[row] = [share.sum() for share in shares(product)]
 
 

@@ -54,13 +54,13 @@ def nozzle_hold(phase, position, nozzle_place, nozzle_speed, held, velocity):
                 break
 
 
-def weight(phase, mass, fluid, force):
-    """Write m g of liquid and solid particles, 0 of all others.
+def weight(position, phase, mass, fluid, force):
+    """Write m (g - B^2 x) of liquid and solid particles, 0 of all others; B^2 is ``fluid.central``.
 
-    Reads: phase (n,), mass (n,) [kg]. Writes: force (3, n) [N].
+    Reads: position (3, n) [m], phase (n,), mass (n,) [kg]. Writes: force (3, n) [N].
     """
     g = np.array([[fluid.gravity_x], [fluid.gravity_y], [fluid.gravity_z]], dtype=np.float64)
-    force[:] = np.where((phase == 0) | (phase == 1), g * mass.astype(np.float64), 0.0)
+    force[:] = np.where((phase == 0) | (phase == 1), (g - float(fluid.central) * position) * mass.astype(np.float64), 0.0)
 
 
 def free_kick(phase, mobility, force, dt, velocity):

@@ -204,5 +204,10 @@ def check_incompressible(scene):
         )
     if scene.viscosity is not None and scene.viscosity.law != "constant" and scene.heat is None:
         raise ValueError("viscosity.law needs temperatures: add [heat], or law = constant")
+    lengths = {a: scene.domain.upper["xyz".index(a)] - scene.domain.lower["xyz".index(a)] for a in scene.domain.periodic}
+    if short := [a for a, length in lengths.items() if length < 2 * scene.support * (1 + 1e-6)]:
+        raise ValueError(f"domain.periodic: along {short[0]} the domain must be longer than two support radii, {2 * scene.support:g} m")
+    if s.apic is not None and len(set(lengths.values())) > 1:
+        raise ValueError("[solver.apic] in a domain with two periodic axes needs them to be equally long")
     if scene.heat is not None and (scene.domain.dimensions == 2 or scene.domain.periodic):
         raise ValueError("[heat] is for three dimensions without periodic sides: leave it out, or set dimensions = 3, periodic = []")

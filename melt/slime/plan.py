@@ -19,6 +19,7 @@ ONLY_IF = {
     "ghosts": ("ghost_laplacian",),
     "augmented": ("dilation", "viscous_pressure"),
     "shears": ("shear_rate",),
+    "dfsph": ("density_impulse", "divergence_impulse"),
     "poisson": ("poisson_pressure",),
     "viscosity": ("viscous_pressure",),
 }
@@ -156,7 +157,7 @@ def viscous_of(scene, real):
         mu=v.mu,
         slope=v.activation_temperature if v.law == "arrhenius" else v.rate,
         reference_temperature=v.reference_temperature,
-        index=v.index,
+        power=v.index,
         yield_stress=v.yield_stress,
         yield_rate=v.yield_time,
         smallest=v.smallest,

@@ -74,7 +74,10 @@ def _jacobi(do, dt, name, tolerance, least):
 def project(do, dt):
     """Pressure Poisson equation, zero at the free surface, and what it does to velocities (S7)."""
     do.poisson_pairs(completed_ratio=_ratio(do))
-    do.poisson_start(completed_ratio=_ratio(do), dt=dt)
+    do.poisson_start(completed_ratio=_ratio(do), dt=dt, shift=0.0)
+    if do.need.closed:  # a constant may be added to the pressure: the right-hand side has to vanish in sum
+        sums = np.asarray(do.read("poisson_sums"), np.float64).sum(axis=1)
+        do.poisson_start(completed_ratio=_ratio(do), dt=dt, shift=float(sums[1] / max(sums[2], 1)))
     solved = _conjugate(do, "poisson", do.settings.poisson_tolerance, do.settings.poisson_iterations, lambda: do.poisson_apply())
     do.poisson_finish(completed_ratio=_ratio(do))
     do.poisson_acceleration()

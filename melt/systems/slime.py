@@ -125,9 +125,11 @@ def velocities(do, dt):
     """v^n -> v^(n+1): body forces, viscosity, pressure (S5-S9)."""
     need, found = do.need, []
     listed(do)  # S2
-    boundaries(do, dt)
-    if not need.apic:
+    if need.apic:
+        do.reorder(("volume", "node_state"))  # nodes got them before they were sorted for the lists
+    else:
         do.liquid_volume()
+    boundaries(do, dt)
     solve.operators(do)  # S5b
     if need.apic:
         do.massless_velocity()
@@ -197,6 +199,7 @@ def push(do, dt):
 
 def report(do, dt):
     """Read the largest speed and affine velocity back, once per outer step."""
+    do.total_pressure(dt=do.clock.previous_dt or dt)
     do.slime_bounds(dt=0.0)
     speed, affine, _ = np.asarray(do.read("slime_bounds"), np.float64).max(axis=1)
     do.clock.max_speed, do.clock.largest_affine = float(speed), float(affine)

@@ -45,13 +45,13 @@ def arrays(precision="double", n=None, near=None, **given):
     return a
 
 
-def run(stage, backend, a, dt=0.0, renamed=None, **changes):
+def run(stage, backend, a, dt=0.0, shift=0.0, renamed=None, **changes):
     """Run a stage, put what it writes into ``a`` and return that; ``renamed``: names of other arrays for arguments."""
     real = a["mass"].dtype.type
     params = {}
     for name in STAGES[stage].params:
-        if name == "dt":
-            params[name] = real(dt)
+        if name in ("dt", "shift"):
+            params[name] = real(dt if name == "dt" else shift)
             continue
         kind, values = TUPLES[name]
         params[name] = P.make(kind, real, **{**values, **{k: v for k, v in changes.items() if k in values}})

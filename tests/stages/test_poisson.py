@@ -37,13 +37,16 @@ def test_start_by_hand(backend, precision):
         completed_ratio=[0.8, 1.1, 1],
         pair_gradient=g, pair_poisson=s, poisson_ghost=[2.0, 0, 0], poisson_diagonal=[5.0, 3, 0], poisson_pressure=[10.0, 4, 0],
     )
-    out = run("poisson_start", backend, a, dt=0.5, rest_density=10, pull=0.1)
-    # rate = -3 2 - 1 + 3; b = 0.625 10 (rate/0.8/0.5 + 0.1 (-0.2)/0.25); S p = 3 6 + 2 10
-    b = 6.25 * (-4 / 0.4 - 0.08)
+    out = run("poisson_start", backend, a, dt=0.5, shift=0.0, rest_density=10, pull=0.1)
+    # rate = -3 2 - 1 + 2 3 (a wall mirrors); b = 0.625 10 (rate/0.8/0.5 + 0.1 (-0.2)/0.25); S p = 3 6 + 2 10
+    b = 6.25 * (-1 / 0.4 - 0.08)
     assert out["poisson_residual"] == pytest.approx([b - 38, 18, 0], rel=tolerance(precision))
     assert out["poisson_direction"] == pytest.approx([(b - 38) / 5, 6, 0], rel=tolerance(precision))
     sums = out["poisson_sums"].sum(axis=1)
-    assert sums[[0, 3, 4]] == pytest.approx([(b - 38) ** 2 / 5 + 108, (b - 38) ** 2 + 324, b**2], rel=tolerance(precision))
+    expected = [(b - 38) ** 2 / 5 + 108, b - 38 + 18, 2, (b - 38) ** 2 + 324, b**2]
+    assert sums == pytest.approx(expected, rel=tolerance(precision))
+    again = run("poisson_start", backend, a, dt=0.5, shift=3.0, rest_density=10, pull=0.1)
+    assert again["poisson_residual"] == pytest.approx([b - 41, 15, 0], rel=tolerance(precision))
 
 
 @everywhere
