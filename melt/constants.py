@@ -14,11 +14,11 @@ ROTATIONS = {"svd": P.ROTATION_SVD, "horn": P.ROTATION_HORN, "iterative": P.ROTA
 REFILLS = {"all": P.REFILL_ALL, "changed": P.REFILL_CHANGED, "affected": P.REFILL_AFFECTED}
 
 
-def lattice_offsets(ratio):
+def lattice_offsets(ratio, dimensions=3):
     """Return the distances, in spacings, of the lattice points within ``ratio`` spacings, itself excluded."""
     reach = math.ceil(ratio)
     axis = np.arange(-reach, reach + 1)
-    r = np.sqrt((np.stack(np.meshgrid(axis, axis, axis)) ** 2).sum(axis=0)).ravel()
+    r = np.sqrt((np.stack(np.meshgrid(axis, axis, axis if dimensions == 3 else [0])) ** 2).sum(axis=0)).ravel()
     return np.sort(r[(r > 0) & (r < ratio)])
 
 
@@ -46,8 +46,13 @@ def lattice_density(scene):
 
     smoothing = smoothing_of(scene, np.float64)
     dx = scene.spacing
-    total = W(0.0, smoothing) + sum(W(r * dx, smoothing) for r in lattice_offsets(scene.solver.support))
-    return dx**3 * total
+    total = W(0.0, smoothing) + sum(W(r * dx, smoothing) for r in lattice_offsets(scene.solver.support, scene.domain.dimensions))
+    return scene.particle_volume * total
+
+
+def calibration(scene):
+    """Return what volumes of incompressible liquids are divided by, so that the rest lattice has the rest density."""
+    return lattice_density(scene) if scene.incompressible else 1.0
 
 
 def smoothing_of(scene, real):
@@ -58,6 +63,7 @@ def smoothing_of(scene, real):
         support=scene.support,
         kernel=KERNELS[scene.solver.kernel],
         laplacian=LAPLACIANS[scene.solver.laplacian],
+        dimension=scene.domain.dimensions,
     )
 
 
@@ -86,6 +92,12 @@ def grid_of(scene, particles, real):
     while math.prod(math.ceil(e / edge) for e in extent) > most:
         edge *= 1.26
     cells = [math.ceil(e / edge) for e in extent]
+    for k in range(3):  # a periodic axis has no margin, and its last cell is the larger one: all of the support is in the next
+        if "xyz"[k] in scene.domain.periodic:
+            lower[k] = scene.domain.lower[k]
+            cells[k] = max(1, math.floor((scene.domain.upper[k] - lower[k]) / edge))
+    if scene.domain.dimensions == 2:
+        cells[1] = 1
     return P.make(
         P.Grid,
         real,
@@ -159,7 +171,7 @@ def params_of(scene, particles, sound_speed, real):
 
 def fluid_of(scene, sound_speed, real):
     """Return the `Fluid` tuple of a scene."""
-    s, f, dx = scene.solver, scene.fluid, scene.spacing
+    s, f = scene.solver, scene.fluid
     return P.make(
         P.Fluid,
         real,
@@ -172,8 +184,9 @@ def fluid_of(scene, sound_speed, real):
         mirror=s.mirror,
         clamp=int(f.clamp),
         density_factor=density_factor(scene),
-        minimum_volume=dx**3,
+        minimum_volume=scene.particle_volume / calibration(scene),
         number_density=int(s.density_form == "number"),
+        central=f.central,
         gravity_x=scene.domain.gravity[0],
         gravity_y=scene.domain.gravity[1],
         gravity_z=scene.domain.gravity[2],

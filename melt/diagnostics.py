@@ -83,6 +83,9 @@ def series(do, start):
     values["mass_created"] = balance - start["mass"] - start["mass_entered"](do.clock)
     if "density" in wide and do.clock.step > 0 and liquid.any():
         values.update(_compression(wide, liquid))
+    if "density_ratio" in wide and do.clock.step > 0 and liquid.any():
+        error = np.maximum(wide["density_ratio"][liquid] - 1.0, 0.0)  # at the start of the last sub-step
+        values["density_error_max"], values["density_error_mean"] = float(error.max()), float(error.mean())
     if "constraint" in wide and do.clock.step > 0 and liquid.any():
         error = np.maximum(wide["constraint"][liquid], 0.0)  # before the last correction
         values["density_error_max"] = float(error.max())
@@ -116,7 +119,7 @@ _COUNTED = {
 
 
 _WANTED = (
-    "phase material position velocity mass volume density constraint neighbour_count offenders "
+    "phase material position velocity mass volume density density_ratio constraint neighbour_count offenders "
     "temperature heat_capacity heat_capacity_molten latent_point latent_capacity latent_energy"
 ).split()
 

@@ -102,6 +102,7 @@ class Fluid(NamedTuple):
     drag: float  # ambient drag rate of liquids [1/s]
     xsph: float  # XSPH blend [1]
     surface_tension: float  # cohesion kappa [m^3/(kg s^2)], F = -kappa m_i sum m_j W x_ij
+    central: float = 0.0  # pull towards the origin per distance [1/s^2]
 
 
 class Lattice(NamedTuple):

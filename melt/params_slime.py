@@ -59,10 +59,10 @@ class Viscous(NamedTuple):
     """Implicit viscosity and its law. Slime spec 2.11."""
 
     law: int  # VISCOSITY_CONSTANT, VISCOSITY_ARRHENIUS, VISCOSITY_EXPONENTIAL
-    mu: float  # viscosity at reference_temperature, at a shear rate of 1/s where index < 1 [Pa s]
+    mu: float  # viscosity at reference_temperature, at a shear rate of 1/s where power < 1 [Pa s]
     slope: float  # ARRHENIUS: activation temperature E/R [K]; EXPONENTIAL: rate [1/K]
     reference_temperature: float  # [degC]
-    index: float  # n of the power law; 1: Newtonian
+    power: float  # n of the power law; 1: Newtonian (not `index`: CUDA finds the method of tuples)
     yield_stress: float  # tau_y [Pa]
     yield_rate: float  # m of the regularised yield stress [s]
     smallest: float  # caps of mu [Pa s]

@@ -15,13 +15,15 @@ from melt import diagnostics
 from melt.bind import Recorder
 from melt.constants import list_capacity, params_of, sound_speed_of
 from melt.fields import CARRIED, FIELDS
+from melt.fields_slime import APIC_CARRIED
 from melt.flood import ledger as flood_ledger
 from melt.flood import maps as flood_maps
 from melt.flood import plan as flood_plan
 from melt.physics.phases import LIQUID, SOLID
 from melt.position_based import POINTS, adaptive, pbf_fields, pbf_of, short_lists, vessel_of
+from melt.slime import plan as slime_plan
 from melt.state import REAL, bytes_of
-from melt.systems import boiling, flood, melting
+from melt.systems import boiling, flood, melting, slime
 from melt.systems.heat import thermal_substeps
 
 #: Fields every run holds, whatever its stages use: they are written to the run file.
@@ -72,6 +74,8 @@ def needs(scene, initial):
     melts = np.isfinite(initial["material_melting_point"]).any()
     matter = initial.counts["wall"] > 0 or solids
     return SimpleNamespace(
+        incompressible=scene.incompressible,
+        **slime_plan.needs_of(scene),
         pbf=pbf,
         sph=scene.solver.pressure == "sph",
         boiling=b is not None,
@@ -148,6 +152,8 @@ def settings_of(scene, initial, sound_speed, precision):
         thermal_substeps(chosen)  # refuses too many
         chosen.heat_tolerance = heat.tolerance or (1e-8 if precision == "double" else 1e-5)
         chosen.heat_iterations = heat.max_iterations
+    if scene.incompressible:
+        vars(chosen).update(slime_plan.settings_of(scene, initial, precision))
     return chosen
 
 
@@ -161,7 +167,7 @@ def sizes_of(scene, initial, params, precision):
         "neighbour": scene.solver.max_neighbours or list_capacity(scene.solver.support),
         "cell": cells,
         "node": n,
-        "chunk": math.ceil(max(n, cells) / 256) + 1,
+        "chunk": math.ceil(max(n, cells, initial["apic_id"].size if "apic_id" in initial else 0) / 256) + 1,
         "site": initial["site_body"].size,
         "link": 27,
         "region": (2 * scene.solver.width + 1) ** 3,
@@ -193,13 +199,24 @@ def prepare(scene, initial, precision=None):
     need = needs(scene, initial)
     settings = settings_of(scene, initial, sound_speed, precision)
     system = melting
-    if scene.solver.pressure != "wcsph":
+    only_if = dict(ONLY_IF)
+    if scene.incompressible:
+        warning = ""
+        params.update(slime_plan.params_of(scene, initial["id"].size, REAL[precision]))
+        only_if.update(slime_plan.ONLY_IF)
+        if not scene.solid:
+            system = slime
+    elif scene.solver.pressure != "wcsph":
         system, warning = boiling, ""
         _boiling(scene, initial, need, settings, params, REAL[precision])
     page = system.step if scene.solver.motion else melting.still_step
-    absent = {f for what, fields in ONLY_IF.items() if not getattr(need, what) for f in fields}
+    absent = {f for what, fields in only_if.items() if not getattr(need, what) for f in fields}
     sizes = sizes_of(scene, initial, params, precision)
+    if scene.incompressible:
+        sizes.update(slime_plan.sizes_of(scene, initial, params))
     prepared = Prepared(page, system, need, settings, params, sizes, precision, [], {}, [], [warning] if warning else [])
+    if need.incompressible:
+        prepared.steadier = "solver.dfsph.max_iterations"
     if need.pbf or need.sph:
         prepared.steadier = "solver.pbf.iterations" if need.pbf else "solver.sph.viscosity"
     return _recorded(prepared, initial, scene.time.dt, set(ALWAYS), absent)
@@ -264,5 +281,7 @@ def carried(prepared):
     return [
         n
         for n in prepared.fields
-        if n in CARRIED or (not derived & set(FIELDS[n].shape) and "particle" not in FIELDS[n].shape)
+        if n in CARRIED
+        or n in APIC_CARRIED
+        or (not derived & set(FIELDS[n].shape) and not {"particle", "apic", "ghost", "ghost_point"} & set(FIELDS[n].shape))
     ]

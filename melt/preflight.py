@@ -80,7 +80,7 @@ def limits(prepared, speed=0.0):
         return flood.limits(prepared, speed)
 
     class Start:  # a binder at t = 0, as far as `step_limits` looks
-        settings = prepared.settings
+        settings, need = prepared.settings, prepared.need
 
         class clock:
             max_speed, max_acceleration = speed, 0.0

@@ -45,6 +45,7 @@ SHARE = Tolerance(1e-3, 1e-12, "divided by a sum of weights, of which few digits
 REGION = Tolerance(5e-5, 1e-11, "sum over up to 125 members and a rotation")
 SWEEP = Tolerance(5e-5, 1e-11, "a chain of pair updates")
 EIGEN = Tolerance(2e-4, 1e-8, "closed-form eigenvalue: a double root has half the digits")
+MOMENT = Tolerance(1e-3, 1e-8, "inverse of a second moment with a condition of up to 100, shown by its small elements")
 SOLVER = Tolerance(1e-4, 1e-7, "iterated to its own residual tolerance")
 
 

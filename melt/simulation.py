@@ -16,7 +16,7 @@ from melt.flood.maps import check_beside
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
 from melt.output import checkpoint
-from melt.physics.phases import AIRBORNE, BUBBLE, LIQUID, SOLID, VAPOUR, WALL
+from melt.physics.phases import AIRBORNE, BUBBLE, DRIVEN, LIQUID, SOLID, VAPOUR, WALL
 from melt.preflight import findings
 from melt.scales import scales_of
 from melt.scene import load_scene, scene_from_toml
@@ -25,7 +25,10 @@ from melt.state import State
 from melt.stepping import append_frame, loop
 
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
-BOUNDS = ("given", "sound", "force", "speed", "viscosity", "light solid", "compression", "wave", "terrain", "fall")
+BOUNDS = (
+    "given", "sound", "force", "speed", "viscosity", "light solid", "compression", "wave", "terrain", "fall",
+    "gravity", "affine", "elastic",
+)
 
 
 class Simulation:
@@ -132,7 +135,7 @@ class Simulation:
     def frame(self):
         """Return the particle arrays of a frame: what the run file gets, sorted by id."""
         output = self.scene.output
-        phases = [LIQUID, SOLID, BUBBLE, VAPOUR, AIRBORNE] + ([WALL] if output.walls else [])
+        phases = [LIQUID, SOLID, BUBBLE, VAPOUR, AIRBORNE, DRIVEN] + ([WALL] if output.walls else [])
         keep = np.isin(self.read("phase"), phases)
         names = [n for n in self.prepared.fields if n in OUTPUT_FIELDS]
         if output.fields != "all":

@@ -1,7 +1,7 @@
 """Parameters of the check inputs, and the variants in which each stage is checked."""
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _pbf, _screen, _slime, _slime_ghosts
+from melt.check import _boiling, _cloud, _pbf, _screen, _slime, _slime_apic, _slime_ghosts, _slime_motion, _slime_solve
 from melt.check import _flood_values as _flood
 
 #: Parameter tuples with values that exercise every term.
@@ -22,6 +22,7 @@ TUPLES = {
             density_factor=1.0015,
             minimum_volume=_cloud.SPACING**3,
             number_density=1,
+            central=0.7,
             gravity_x=0.3,
             gravity_y=-0.2,
             gravity_z=-9.81,
@@ -134,6 +135,7 @@ SCALARS = {
     "longest": 0.9,
     "deviation": 1.7,
     "shift": 0.01,
+    "momentum": 0.4,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.
@@ -186,7 +188,10 @@ EXTRA = {
     **{name: [{"along": 1}] for name in ("bilateral_pass", "narrow_pass", "screen_blur")},
     "freeze_choice": [{"dt": 0.25 * _cloud.SPACING}],  # below 2 m/s: some are too fast
     **_flood.EXTRA,
+    **_slime_solve.EXTRA,
     **_slime_ghosts.EXTRA,
+    **_slime_apic.EXTRA,
+    **_slime_motion.EXTRA,
 }
 
 #: Particles that the variants of a stage need at least: one that boils needs four free slots.
@@ -195,5 +200,5 @@ LEAST = {"spawn_bubbles": 301}
 #: What stages need besides when there is no particle, or one.
 SMALL = {
     **{name: {"served": 0} for name in ("spawn_bubbles", "vapour_source", "condense")},
-    **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter", "enter")},
+    **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter", "enter", "emit_apic")},
 }

@@ -18,7 +18,7 @@ PERIOD = dict(
 DFSPH = dict(omega=0.5, warm=0.5, warm_limit=10.0, fewest=20, least=1e-6 / SUPPORT**2)
 POISSON = dict(rest_density=1000.0, floor=1e-4 * SUPPORT**2, pull=0.02, full_share=0.85, clamp=0)
 VISCOUS = dict(
-    law=1, mu=50.0, slope=3000.0, reference_temperature=20.0, index=0.7, yield_stress=5.0, yield_rate=10.0, smallest=1.0,
+    law=1, mu=50.0, slope=3000.0, reference_temperature=20.0, power=0.7, yield_stress=5.0, yield_rate=10.0, smallest=1.0,
     largest=400.0, wall=0.8, strength=10.0, floor=1e-4 * SUPPORT**2, gamma=10.0,
 )
 GHOSTS = dict(
@@ -94,10 +94,12 @@ def fields(arrays, rng):
         dfsph_factor=factor,
         compression_source=np.where(act, rng.normal(size=n) * 0.05, 0.0),
         solver_pressure=np.where(act, np.maximum(rng.normal(size=n), 0) * 3e3, 0.0),
+        pressure_last=np.where(act, np.maximum(rng.normal(size=n), 0) * 3e3, 0.0),
         pressure_acceleration=np.where(mobility > 0, rng.normal(size=(3, n)) * 20.0, 0.0),
         density_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         divergence_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         pair_poisson=s_ij,
+        poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
         poisson_diagonal=diagonal,
         poisson_pressure=np.where(act, rng.normal(size=n) * 3e3, 0.0),
         poisson_residual=np.where(act, rng.normal(size=n), 0.0),

@@ -10,7 +10,21 @@ from functools import lru_cache
 import numpy as np
 
 from melt import params as P
-from melt.check import _boiling, _cloud, _flood, _flood_values, _pbf, _screen, _sites, _slime, _slime_ghosts, _thermal
+from melt.check import (
+    _boiling,
+    _cloud,
+    _flood,
+    _flood_values,
+    _pbf,
+    _screen,
+    _sites,
+    _slime,
+    _slime_apic,
+    _slime_ghosts,
+    _slime_motion,
+    _slime_solve,
+    _thermal,
+)
 from melt.check._choices import EXTRA, LEAST, SCALARS, SMALL, SWITCHES, TUPLES
 from melt.check._fields import particle_fields, special_fields
 from melt.fields import FIELDS
@@ -191,6 +205,9 @@ def _adapted(stage_name, arrays, grid, choice):
         arrays = _boiling.with_bubbles(arrays, grid)
     if STAGES[stage_name].file in _slime.FILES:
         arrays = {**arrays, **_slime.fields(arrays, np.random.default_rng(len(arrays["phase"])))}
+        arrays = _slime_solve.adapted(arrays, choice)
+        arrays = _slime_motion.adapted(STAGES[stage_name], arrays, grid, choice)
+        arrays = _slime_apic.with_particles(arrays, grid, STAGES[stage_name].file, "length_x" in choice)
     if STAGES[stage_name].file in _slime_ghosts.FILES:
         arrays = _slime_ghosts.adapted(arrays, grid, choice)
     if stage_name == "fill_regions":

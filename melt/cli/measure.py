@@ -54,20 +54,25 @@ def bench(
     iterations: Annotated[
         int | None, typer.Option("--pbf", min=1, max=255, help="Iterations: time a dam break of the position based fluid.")
     ] = None,
+    dfsph: Annotated[bool, typer.Option("--dfsph", help="Time a splashing dam break of DFSPH, then with viscosity.")] = False,
     flood: Annotated[bool, typer.Option("--flood", help="Time shallow water that runs apart over hills.")] = False,
-    support: Annotated[float, typer.Option("--support", min=1.6, max=6, help="Support radius of --pbf in spacings.")] = 2.0,
+    support: Annotated[float, typer.Option("--support", min=1.6, max=6, help="Support radius of --pbf and --dfsph in spacings.")] = 2.0,
     render: Annotated[bool, typer.Option("--render", help="Time the screen-space renderer, at the first PARTICLES.")] = False,
     out: Out = None,
 ):
     """Time the stages: milliseconds, nanoseconds per pair, scaling with particles and threads."""
     from melt import bench as benchmark
-    from melt import bench_screen
+    from melt import bench_screen, bench_slime
 
     if render:
         bench_screen.run(sizes[0] if sizes else bench_screen.PARTICLES, backend, frames=2 * steps, say=typer.echo)
         return
 
     _known("precision", [precision], ("single", "mixed", "double"))
+    if dfsph:
+        given = tuple(sizes) if sizes else bench_slime.SIZES
+        bench_slime.run(given, backend, precision, support, steps=2 * steps, out=out, say=typer.echo)
+        return
     benchmark.run(
         tuple(sizes) if sizes else benchmark.SIZES,
         backend,

@@ -6,7 +6,7 @@ import numpy as np
 
 from melt._compile import cpu_stage, prange
 from melt.params import VOLUME_SHELL
-from melt.physics.phases import LIQUID, SOLID, WALL
+from melt.physics.phases import DRIVEN, LIQUID, SOLID, WALL
 from melt.physics.smoothing import W
 
 
@@ -16,7 +16,7 @@ def liquid_volume(phase, rest_volume, fluid, volume):
     for i in prange(phase.shape[0]):
         if phase[i] == LIQUID and fluid.number_density == 1:
             volume[i] = fluid.minimum_volume
-        elif phase[i] <= WALL:
+        elif phase[i] <= WALL or phase[i] == DRIVEN:
             volume[i] = rest_volume[i]
         else:
             volume[i] = 0

@@ -4,7 +4,7 @@ import math
 
 from melt._compile import cuda, cuda_kernel
 from melt.params import VOLUME_SHELL
-from melt.physics.phases import LIQUID, SOLID, WALL
+from melt.physics.phases import DRIVEN, LIQUID, SOLID, WALL
 from melt.physics.smoothing import W
 
 
@@ -15,7 +15,7 @@ def _liquid_volume(phase, rest_volume, fluid, volume):
         return
     if phase[i] == LIQUID and fluid.number_density == 1:
         volume[i] = fluid.minimum_volume
-    elif phase[i] <= WALL:
+    elif phase[i] <= WALL or phase[i] == DRIVEN:
         volume[i] = rest_volume[i]
     else:
         volume[i] = 0

@@ -10,7 +10,8 @@ from melt.geometry.materials import heater_table, material_table
 from melt.geometry.nozzles import nozzle_table
 from melt.geometry.shapes import affordable, keys, sample
 from melt.geometry.walls import beyond_walls, wall_cells
-from melt.physics.phases import AIRBORNE, INACTIVE, LIQUID, SOLID, WALL
+from melt.physics.phases import AIRBORNE, DRIVEN, INACTIVE, LIQUID, SOLID, WALL
+from melt.slime.build import in_plane, slime_arrays
 
 
 @dataclass
@@ -40,7 +41,7 @@ class Initial:
     def counts(self):
         """Return {phase name: particles}; "inactive" are slots that the inflow will fill."""
         phase = self.arrays["phase"]
-        names = {"liquid": LIQUID, "airborne": AIRBORNE, "solid": SOLID, "wall": WALL, "inactive": INACTIVE}
+        names = {"liquid": LIQUID, "airborne": AIRBORNE, "solid": SOLID, "wall": WALL, "driven": DRIVEN, "inactive": INACTIVE}
         return {name: int((phase == number).sum()) for name, number in names.items()}
 
     @property
@@ -67,18 +68,21 @@ def build(scene):
 
         return build_flood(scene)
     notes = []
-    walls = _walls(scene, notes)
-    solids = _solids(scene, walls, notes)
-    fills = _fills(scene, walls, solids, notes)
+    walls, moving = _walls(scene, notes)
+    fixed = np.hstack([walls, *moving])
+    solids = _solids(scene, fixed, notes)
+    fills = _fills(scene, fixed, solids, notes)
     table, names, rows = material_table(scene)
     nozzles, inflow = nozzle_table(scene)
-    _free(scene, nozzles, inflow["inflow_position"], np.hstack([walls, *solids]))
-    spare = sum(n.layers * n.count for n in nozzles)
+    _free(scene, nozzles, inflow["inflow_position"], np.hstack([fixed, *solids]))
+    spare = entering = sum(n.layers * n.count for n in nozzles)
     affordable(spare, "inflow, layers times particles of a layer")
     bubbles, vapour = slots_of(scene, sum(cells.shape[1] for cells in fills))
     affordable(bubbles + vapour, "boiling, slots for bubbles and vapour")
     spare += bubbles + vapour
-    arrays = _particles(scene, fills, solids, walls, spare, rows, table)
+    arrays = _particles(scene, fills, solids, fixed, spare, rows, table)
+    if scene.incompressible:
+        arrays.update(slime_arrays(scene, arrays, _slices(arrays, walls, moving), entering))
     arrays.update(_sites(scene, solids, arrays, notes))
     arrays.update(table)
     if scene.heat is not None:
@@ -93,12 +97,27 @@ def build(scene):
 
 
 def _walls(scene, notes):
-    """Cells of walls and obstacles; an obstacle may stand in a wall."""
-    cells = [wall_cells(scene.domain)]
-    cells += [sample(o, scene.domain, f"obstacle {k}", notes) for k, o in enumerate(scene.obstacle)]
+    """Cells of walls with fixed obstacles, and of each moving obstacle; an obstacle may stand in a wall."""
+    names = [o.name or f"obstacle {k}" for k, o in enumerate(scene.obstacle)]
+    sampled = [in_plane(sample(o, scene.domain, name, notes), scene, name) for o, name in zip(scene.obstacle, names)]
+    cells = [wall_cells(scene.domain), *(c for c, o in zip(sampled, scene.obstacle) if not o.moves)]
     cells = np.hstack(cells)
     first = np.unique(keys(cells), return_index=True)[1]
-    return cells[:, np.sort(first)]
+    walls = cells[:, np.sort(first)]
+    moving, taken = [], keys(walls)
+    for c in (c for c, o in zip(sampled, scene.obstacle) if o.moves):
+        moving.append(c[:, ~np.isin(keys(c), taken)])
+        taken = np.concatenate([taken, keys(c)])
+    return walls, moving
+
+
+def _slices(arrays, walls, moving):
+    """Return the slice of particles of each moving body: they stand behind the walls."""
+    first, slices = int(np.argmax(arrays["phase"] == WALL)) + walls.shape[1], []
+    for cells in moving:
+        slices.append(slice(first, first + cells.shape[1]))
+        first += cells.shape[1]
+    return slices
 
 
 def _solids(scene, walls, notes):
@@ -107,7 +126,7 @@ def _solids(scene, walls, notes):
     bodies = []
     for solid in scene.solid:
         name = f"solid {solid.name!r}"
-        cells = sample(solid, scene.domain, name, notes)
+        cells = in_plane(sample(solid, scene.domain, name, notes), scene, name)
         _within(cells, scene.domain, name)
         for other, theirs in taken.items():
             shared = int(np.isin(keys(cells), theirs).sum())
@@ -126,7 +145,7 @@ def _fills(scene, walls, solids, notes):
     filled, fills = np.zeros(0, np.int64), []
     for k, fill in enumerate(scene.fluid.fill):
         name = f"fluid.fill {k}"
-        cells = sample(fill, scene.domain, name, notes)
+        cells = in_plane(sample(fill, scene.domain, name, notes), scene, name)
         mine = keys(cells)
         hit, again = np.isin(mine, obstacles) | np.isin(mine, bodies), np.isin(mine, filled)
         if hit.any():
@@ -190,8 +209,8 @@ def _particles(scene, fills, solids, walls, spare, rows, table):
         "site": np.full(sum(size), -1, np.int32),
         "position": np.array(scene.domain.lower)[:, None] + (cells + 0.5) * dx,
         "velocity": np.repeat(np.array([g[3] for g in groups], float).T, size, axis=1),
-        "mass": np.where(used, table["material_density"][material] * dx**3, 0.0),
-        "rest_volume": np.where(used, dx**3, 0.0),
+        "mass": np.where(used, table["material_density"][material] * scene.particle_volume, 0.0),
+        "rest_volume": np.where(used, scene.particle_volume, 0.0),
     }
     if heat is not None or scene.boiling is not None:
         arrays["temperature"] = np.repeat(np.array([g[4] for g in groups], float), size)

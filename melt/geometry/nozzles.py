@@ -23,11 +23,14 @@ def nozzle_table(scene):
     dx, density = scene.spacing, scene.fluid.density
     nozzles, positions, velocities, temperatures, first = [], [], [], [], 0
     for inflow in scene.inflow:
-        points = disc(inflow.radius, inflow.direction, dx) + np.array(inflow.position)[:, None]
+        points = disc(inflow.radius, inflow.direction, dx)
+        if scene.domain.dimensions == 2:
+            points = points[:, np.abs(points[1]) < 1e-6 * dx]
+        axis = np.array(inflow.direction) / np.linalg.norm(inflow.direction)
+        points = points + (np.array(inflow.position) - inflow.hold * dx * axis)[:, None]  # the inner end of the nozzle
         count = points.shape[1]
         if count == 0:
             raise GeometryError(f"inflow {inflow.name!r}: its radius {inflow.radius:g} m holds no particle")
-        axis = np.array(inflow.direction) / np.linalg.norm(inflow.direction)
         nozzles.append(Nozzle(inflow.name, inflow.start, dx / inflow.speed, inflow.layers, count, first))
         positions.append(points)
         velocities.append(np.repeat(inflow.speed * axis[:, None], count, axis=1))
@@ -38,8 +41,8 @@ def nozzle_table(scene):
     arrays = {
         "inflow_position": np.hstack(positions) if positions else np.zeros((3, 0)),
         "inflow_velocity": np.hstack(velocities) if positions else np.zeros((3, 0)),
-        "inflow_mass": np.full(first, density * dx**3),
-        "inflow_volume": np.full(first, dx**3),
+        "inflow_mass": np.full(first, density * scene.particle_volume),
+        "inflow_volume": np.full(first, scene.particle_volume),
         "inflow_temperature": np.concatenate(temperatures) if positions else np.zeros(0),
         "inflow_material": np.zeros(first, np.int32),
     }

@@ -19,7 +19,7 @@ def sample(placed, domain, name, notes):
     """
     lower, dx = np.array(domain.lower), domain.spacing
     if placed.shape == "box":
-        cells = _box(placed, lower, dx, name, notes)
+        cells = _box(placed, lower, dx, name, notes, domain.dimensions == 2)
     elif placed.shape == "mesh":
         cells = _mesh(placed, lower, dx, name, notes)
     else:
@@ -54,7 +54,7 @@ def keys(cells):
     return (z << 42) | (y << 21) | x
 
 
-def _box(placed, lower, dx, name, notes):
+def _box(placed, lower, dx, name, notes, flat):
     if placed.lower is not None:
         start, size = np.array(placed.lower), np.subtract(placed.upper, placed.lower)
     else:
@@ -62,6 +62,8 @@ def _box(placed, lower, dx, name, notes):
         start = np.array(placed.position) - 0.5 * size
         if placed.anchor == "base":
             start[2] = placed.position[2]
+    if flat:  # the plane of a two-dimensional scene, whatever the box is across it
+        start[1], size[1] = lower[1], dx
     affordable(np.prod(size / dx), name)
     count = np.maximum(np.floor(size / dx + 0.5), 1).astype(np.int64)
     if (np.abs(count * dx - size) > 1e-3 * dx).any():

@@ -252,12 +252,8 @@ def rotation(A, q, lattice):
 
 
 @scalar
-def solve_inertia(J, L):
-    """Return omega = J^+ L for a symmetric positive 3x3 matrix (xx, yy, zz, xy, xz, yz).
-
-    Axes with an eigenvalue below 1e-8 of the largest (1e-5 in float32, whose rounding hides
-    smaller ones) get no spin. By cyclic Jacobi.
-    """
+def eigen(J):
+    """Return the eigenvalues and the three eigenvectors of a symmetric 3x3 matrix (xx, yy, zz, xy, xz, yz), by cyclic Jacobi."""
     real = type(J[0])
     one, zero = real(1), real(0)
     a0, a1, a2, a01, a02, a12 = J[0], J[1], J[2], J[3], J[4], J[5]
@@ -278,12 +274,25 @@ def solve_inertia(J, L):
         a1, a2, a12 = a1 - t * a12, a2 + t * a12, zero
         a01, a02 = _turn(a01, a02, c, s)
         v1, v2 = _turn3(v1, v2, c, s)
-    least = real(1e-8) * max(a0, max(a1, a2))
+    return (a0, a1, a2), v0, v1, v2
+
+
+@scalar
+def solve_inertia(J, L):
+    """Return omega = J^+ L for a symmetric positive 3x3 matrix (xx, yy, zz, xy, xz, yz).
+
+    Axes with an eigenvalue below 1e-8 of the largest (1e-5 in float32, whose rounding hides
+    smaller ones) get no spin.
+    """
+    real = type(J[0])
+    one, zero = real(1), real(0)
+    a, v0, v1, v2 = eigen(J)
+    least = real(1e-8) * max(a[0], max(a[1], a[2]))
     if not one + real(1e-8) > one:
-        least = real(1e-5) * max(a0, max(a1, a2))
-    f0 = _dot(v0, L) / a0 if a0 > least else zero
-    f1 = _dot(v1, L) / a1 if a1 > least else zero
-    f2 = _dot(v2, L) / a2 if a2 > least else zero
+        least = real(1e-5) * max(a[0], max(a[1], a[2]))
+    f0 = _dot(v0, L) / a[0] if a[0] > least else zero
+    f1 = _dot(v1, L) / a[1] if a[1] > least else zero
+    f2 = _dot(v2, L) / a[2] if a[2] > least else zero
     return (
         f0 * v0[0] + f1 * v1[0] + f2 * v2[0],
         f0 * v0[1] + f1 * v1[1] + f2 * v2[1],

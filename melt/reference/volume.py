@@ -15,7 +15,7 @@ def liquid_volume(phase, rest_volume, fluid, volume):
     Reads: phase (n,), rest_volume (n,) [m^3]. Writes: volume (n,) [m^3].
     """
     V = np.where(fluid.number_density == 1, fluid.minimum_volume, rest_volume)
-    volume[:] = np.where(phase == 0, V, np.where((phase == 1) | (phase == 2), rest_volume, 0.0))
+    volume[:] = np.where(phase == 0, V, np.where(np.isin(phase, (1, 2, 7)), rest_volume, 0.0))
 
 
 def rest_sum(site_rest, site_region, site_region_count, smoothing, rest_sum):

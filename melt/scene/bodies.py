@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, PositiveInt, field_validator, model_validator
+from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_validator
 
 from melt.scene.quantities import (
     Angles,
@@ -15,6 +15,7 @@ from melt.scene.quantities import (
     LatentHeat,
     MeltingPoint,
     NonNegative,
+    Number,
     Positive,
     PositiveLength,
     PositiveSpeed,
@@ -26,7 +27,9 @@ from melt.scene.quantities import (
     Time,
     Vector,
     Velocity,
+    quantity,
 )
+from melt.scene.slime import Flow
 
 _NEEDS = {
     "box": ({"size"}, {"lower", "upper"}),
@@ -110,6 +113,14 @@ class Fluid(Section):
 
     fill: list[Fill] = []
     """Regions filled at the start ([[fluid.fill]])."""
+    jitter: Annotated[quantity("number", at_least=0, at_most=0.3), Field()] = 0.0
+    """Random displacement of the liquid at the start in spacings (incompressible liquids)."""
+    seed: NonNegativeInt = 0
+    """Of the jitter."""
+    flow: Flow | None = None
+    """Velocity field at the start (incompressible liquids)."""
+    central: Annotated[quantity("number", at_least=0), Field()] = 0.0
+    """Pull towards the origin per distance [1/s^2] (incompressible liquids)."""
     density: Density = 1000.0
     temperature: Temperature = 20.0
     viscosity: Literal["artificial", "laminar"] = "artificial"
@@ -172,7 +183,26 @@ class Solid(Placed):
 
 
 class Obstacle(Placed):
-    """A fixed body of wall particles."""
+    """A body of wall particles, fixed or moving as it is told (moving: incompressible liquids)."""
+
+    name: str = ""
+    velocity: Velocity = [0.0, 0.0, 0.0]
+    spin: Annotated[list[Number], Field(min_length=3, max_length=3)] = [0.0, 0.0, 0.0]
+    """Angular velocity about its centre [1/s]."""
+    motion: list[Annotated[list[Number], Field(min_length=4, max_length=4)]] = []
+    """Rows of time [s] and velocity [m/s], linear between them, in place of velocity."""
+
+    @property
+    def moves(self):
+        """Whether it moves (a body that moves within itself does, too)."""
+        return any(self.velocity) or any(self.spin) or bool(self.motion)
+
+    @model_validator(mode="after")
+    def _in_order(self):
+        times = [row[0] for row in self.motion]
+        if any(a >= b for a, b in zip(times, times[1:])):
+            raise ValueError("motion: times must ascend")
+        return self
 
 
 class Inflow(Section):
@@ -189,6 +219,9 @@ class Inflow(Section):
     layers: PositiveInt
     """Layers to emit, one every spacing / speed seconds."""
     start: Time = 0.0
+    hold: NonNegative = 0.0
+    """Length of the nozzle in spacings, within which liquid keeps its speed (incompressible liquids); layers enter at its
+    inner end, position is its outlet."""
 
     @field_validator("direction")
     @classmethod

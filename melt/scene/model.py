@@ -24,12 +24,13 @@ from melt.scene.quantities import (
     TemperatureDifference,
     Vector,
 )
+from melt.scene.slime import INCOMPRESSIBLE, Elastic, Viscosity, check_incompressible
 from melt.scene.solver import Solver
 
 #: Particle fields that a run file may have.
 OUTPUT_FIELDS = (
     "id phase material position velocity density pressure temperature latent_energy constraint effect_precision"
-    " bubble_radius age cargo latent_store depth bed support_radius brake"
+    " density_ratio viscosity bubble_radius age cargo latent_store depth bed support_radius brake"
 ).split()
 MOST_STEPS = 1_000_000_000
 #: Thermal sub-steps of a step: more are refused, not waited for.
@@ -118,13 +119,28 @@ class Domain(Section):
     """Particle spacing dx; particle centres are at lower + (i + 1/2) dx."""
     gravity: Acceleration = [0.0, 0.0, -9.81]
     walls: Walls = Field(default_factory=Walls)
+    dimensions: Literal[2, 3] = 3
+    """2: a plane of particles at y = 0, per metre of depth; lower and upper are taken in x and z. Incompressible liquids only."""
+    periodic: list[Literal["x", "y", "z"]] = []
+    """Axes along which the domain repeats. Incompressible liquids only."""
     leave: Literal["keep", "delete"] = "keep"
     """What becomes of particles far outside: they are counted, and kept or made inactive."""
 
     @model_validator(mode="after")
     def _box(self):
+        if self.dimensions == 2:
+            self.lower[1], self.upper[1] = -0.5 * self.spacing, 0.5 * self.spacing
         if any(a >= b for a, b in zip(self.lower, self.upper)):
             raise ValueError(f"upper {self.upper} must exceed lower {self.lower} along every axis")
+        if self.dimensions == 2 and "y" in self.periodic:
+            raise ValueError("periodic: in two dimensions there is no y, use x and z")
+        for axis in self.periodic:
+            k = "xyz".index(axis)
+            length = (self.upper[k] - self.lower[k]) / self.spacing
+            if abs(length - round(length)) > 1e-6 or round(length) < 3:
+                raise ValueError(f"periodic axis {axis} is {length:g} spacings long: make it a whole number of at least 3")
+        open_ends = [side for side in SIDES if side[0] in self.periodic or (self.dimensions == 2 and side[0] == "y")]
+        self.walls.sides = [side for side in self.walls.sides if side not in open_ends]
         return self
 
     @property
@@ -222,6 +238,8 @@ class Scene(Section):
     solid: list[Solid] = []
     heat: Heat | None = None
     boiling: Boiling | None = None
+    viscosity: Viscosity | None = None
+    elastic: Elastic | None = None
     inflow: list[Inflow] = []
     obstacle: list[Obstacle] = []
     solver: Solver = Field(default_factory=Solver)
@@ -236,8 +254,9 @@ class Scene(Section):
             raise ValueError(
                 "fluid.sound_speed = legal follows from the sub-step: set time.n_sub to a number"
             )
-        if self.solver.pressure != "wcsph":
+        if self.solver.pressure in ("pbf", "sph"):
             check_pbf(self)
+        self._check_incompressible()
         if self.boiling is not None:
             check_boiling(self)
         if not self.solver.motion and self.heat is None:
@@ -275,6 +294,31 @@ class Scene(Section):
                     f"the name {twice[0]!r} is given twice: names of solids and inflows are unique"
                 )
         return self
+
+    def _check_incompressible(self):
+        if self.incompressible:
+            return check_incompressible(self)
+        only = {
+            "[viscosity] (of weakly compressible liquids: fluid.viscosity)": self.viscosity is not None,
+            "[elastic]": self.elastic is not None,
+            "domain.dimensions = 2": self.domain.dimensions == 2,
+            "domain.periodic": bool(self.domain.periodic),
+            "[fluid.flow]": self.fluid.flow is not None,
+            "obstacle.velocity, spin or motion": any(o.moves for o in self.obstacle),
+            "inflow.hold": any(nozzle.hold > 0 for nozzle in self.inflow),
+        }
+        if wanted := [name for name, here in only.items() if here]:
+            raise ValueError(f"{', '.join(wanted)}: only with solver.pressure = dfsph, isph or hybrid, not {self.solver.pressure}")
+
+    @property
+    def incompressible(self):
+        """Whether the liquid is one of `melt.scene.slime`."""
+        return self.solver.pressure in INCOMPRESSIBLE
+
+    @property
+    def particle_volume(self):
+        """Volume of a particle at rest [m^3]; in two dimensions of a metre of depth."""
+        return self.domain.spacing**self.domain.dimensions
 
     @property
     def spacing(self):

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
 from melt.scene.quantities import DynamicViscosity, NonNegative, Positive, PositiveSpeed, Section, Share, quantity
+from melt.scene.slime import INCOMPRESSIBLE, Apic, Ghosts, Incompressible
 
 Width = Annotated[int, Field(ge=0, le=5)]
 
@@ -60,8 +61,12 @@ class PlainSph(Section):
 class Solver(Section):
     """Numerical method."""
 
-    pressure: Literal["wcsph", "pbf", "sph"] = "wcsph"
-    """"wcsph": weakly compressible SPH; "pbf": position based fluid, for liquids between walls; "sph": Mueller 2003's."""
+    pressure: Literal["wcsph", "pbf", "sph", "dfsph", "isph", "hybrid"] = "wcsph"
+    """"wcsph": weakly compressible SPH; "pbf": position based fluid, for liquids between walls; "sph": Mueller 2003's;
+    "dfsph": divergence-free SPH; "isph": pressure Poisson equation; "hybrid": that and dfsph for what it leaves."""
+    dfsph: Incompressible = Field(default_factory=Incompressible)
+    apic: Apic | None = None
+    ghosts: Ghosts | None = None
     pbf: PositionBased = Field(default_factory=PositionBased)
     sph: PlainSph = Field(default_factory=PlainSph)
     kernel: Literal["cubic", "wendland2", "mueller"] = "cubic"
@@ -69,7 +74,7 @@ class Solver(Section):
     laplacian: Literal["visc", "brook", "brook_regular"] = "visc"
     """Weight of second derivatives: Mueller's viscosity kernel, Brookshaw's form, or that regularised."""
     support: Annotated[quantity("number", above=1, at_most=6), Field()] = None
-    """Support radius in spacings, h/dx; 2.5, or 2.2 with pressure = pbf, unless given."""
+    """Support radius in spacings, h/dx; 2.5, or 2.2 with pressure = pbf, 2.4 if incompressible, unless given."""
     neighbours: Literal["grid", "kdtree"] = "grid"
     max_neighbours: PositiveInt | None = None
     """Initial capacity of neighbour lists, by the support unless given; it grows when a list overflows."""
@@ -131,7 +136,9 @@ class Solver(Section):
     @model_validator(mode="after")
     def _fits(self):
         if self.support is None:
-            self.support = 2.5 if self.pressure == "wcsph" else 2.2
+            self.support = {"wcsph": 2.5, "pbf": 2.2, "sph": 2.2}.get(self.pressure, 2.4)
+        if self.pressure not in INCOMPRESSIBLE and (self.apic or self.ghosts):
+            raise ValueError(f"[solver.apic] and [solver.ghosts] need pressure = dfsph, isph or hybrid, not {self.pressure}")
         if self.baseline == "rigid" and self.integration == "kdk":
             raise ValueError("baseline = rigid makes the forces of a sub-step rigid once: use integration = symplectic")
         if self.baseline == "rigid" and self.width == 0:

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from melt.errors import MeltError
+from melt.systems import incompressible
 from melt.systems.heat import heat, start_heat
 from melt.systems.topology import build_lattice, freeze, melt_and_relink
 
@@ -25,7 +26,8 @@ def start(do):
 def step(do, dt):
     """Advance the state by one outer step of ``dt`` seconds."""
     need, clock = do.need, do.clock
-    n_sub, sub_dt = sub_steps(do, dt)
+    n_sub, sub_dt = (incompressible.sub_steps if need.incompressible else sub_steps)(do, dt)
+    clock.tally = {}
     if need.inflow:
         emit(do, dt)
     for s in range(n_sub):
@@ -33,9 +35,10 @@ def step(do, dt):
         if s == 0:
             solidify(do, sub_dt)
         volumes(do)
-        do.density()  # line 4, eq (1): rho^n
-        do.tait_pressure()  # p^n
-        do.boundary_pressure()  # what solids and walls carry in (2')
+        if not need.incompressible:
+            do.density()  # line 4, eq (1): rho^n
+            do.tait_pressure()  # p^n
+            do.boundary_pressure()  # what solids and walls carry in (2')
         forces(do, sub_dt)  # line 5-7: F(x^n, v^(n-1/2))
         if s == 0:
             liquefy(do)  # line 9-10: tests T^n
@@ -129,9 +132,12 @@ def volumes(do):
 
 def forces(do, sub_dt):
     """All forces at x^n; solids get the exact reaction by gather (line 5-7)."""
-    do.fluid_force()
-    if do.need.solids:
-        do.reaction_force()
+    if do.need.incompressible:
+        do.weight()
+    else:
+        do.fluid_force()
+        if do.need.solids:
+            do.reaction_force()
     if do.need.laminar:
         do.laminar_force()
     if do.need.contact:
@@ -162,7 +168,9 @@ def move(do, sub_dt):
     """Kick, drift, and push apart what came too close."""
     clock = do.clock
     # the first kick is a half one: v^0 -> v^(1/2)
-    if do.settings.leap_frog == "kdk":
+    if do.need.incompressible:
+        squeeze(do, sub_dt)
+    elif do.settings.leap_frog == "kdk":
         do.kick(dt=0.5 * clock.previous_dt)  # v^n
         forces(do, sub_dt)  # again, with v^n
         do.kick(dt=0.5 * sub_dt)
@@ -187,6 +195,18 @@ def move(do, sub_dt):
     clock.time += sub_dt
 
 
+def squeeze(do, sub_dt):
+    """Kick, then make velocities keep the density of the liquid; solids and liquid push each other alike (slime S8, S9)."""
+    do.kick(dt=sub_dt)
+    incompressible.operators(do)
+    solves = (incompressible.divergence, incompressible.density)
+    found = [solve(do, sub_dt) for solve in solves]
+    for f in found:
+        incompressible.told(do, f)
+    if failed := [f for f in found if not f.converged]:
+        incompressible.tell(do, sub_dt, failed)
+
+
 def emit(do, dt):
     """Let every layer enter whose time falls into this outer step (stage 0)."""
     clock = do.clock
@@ -203,6 +223,9 @@ def emit(do, dt):
             where = dict(first=nozzle.first, count=nozzle.count, slot=clock.active)
             do.emit_motion(lag=clock.time - enters, **where)
             do.emit_matter(**where)
+            if do.need.apic:
+                do.emit_apic(lag=clock.time - enters, **where | {"slot": clock.apic})
+                clock.apic += nozzle.count * do.settings.apic_per_node
             clock.active += nozzle.count
             clock.layers[nozzle.name] = k + 1
             clock.entered[nozzle.name] = clock.entered.get(nozzle.name, 0) + 1
@@ -210,6 +233,8 @@ def emit(do, dt):
 
 def step_limits(do):
     """Return {bound: seconds} of the mechanical sub-step. Spec 2.6."""
+    if do.need.incompressible:
+        return incompressible.step_limits(do)
     s, clock = do.settings, do.clock
     h_s = 0.5 * s.support
     sound = 0.4 * h_s / (s.sound_speed * (1.0 + 0.6 * s.alpha))

@@ -41,11 +41,17 @@ def test_every_kernel_compiles_for_every_capability_in_single_precision(single):
 
 #: Kernels of fields of kind "double": ledgers, and the volumes of bubbles, which must add up to the last digits.
 LEDGERS = {
+    "apic_back._apic_sums",
     "boil_grid._voxel_heater", "boil_heat._boil_content", "boil_heat._boil_cooling", "boil_heat._boil_heater", "boost._liquid_sums",
     "bubble_birth._birth_excess", "bubble_birth._spawn_bubbles", "bubble_growth._bubble_growth", "bubble_merge._merge_members",
     "bubble_merge._merge_removed", "flood_guard._guard_sums", "flood_sources._seepage_sums", "flood_zones._zone_parts",
     "flood_zones._zone_totals",
+    # sums of conjugate gradients, and the inverse of a block that may be nearly of rank one
+    "_poisson.dot", "poisson_cg._poisson_step", "poisson_cg._preconditioned", "poisson_cg._poisson_turn", "poisson_cg._keep_sums",
+    "_viscous.dot", "viscous._pair_shear", "viscous._right_side", "viscous_cg._viscous_step", "viscous_cg._preconditioned",
+    "viscous_cg._viscous_turn", "viscous_cg._keep_sums",
 }
+LEDGERS |= {"dfsph._pressure_error", "dfsph_source._source_mean"}
 
 
 def test_single_precision_kernels_have_no_double_precision_instructions(single):

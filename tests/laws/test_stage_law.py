@@ -30,8 +30,14 @@ LONG = {
     "flood_entry": "a column that comes into being: all its fields",
     "flood_depth": "the coupled solve of depth and support takes walls with it",
     "flood_sample": "what four means of the water are made of, where, and what is kept of them",
+    "apic_nodes": "a node's whole state from the whole state of APIC particles, their weights and their cells",
+    "apic_back": "as apic_nodes, the other way round, with gravity for orphans",
+    "apic_stress": "as apic_nodes, with the strain",
+    "apic_emit": "a particle that comes into being: all its fields",
     "rigid": "both the sites and the motion of a body and of its particles",
     "flood_force": "both partners' state, two supports of a pair, and the slope under the column",
+    "viscous": "the right-hand side of the viscous solve: both velocities, both pressures, and the pairs",
+    "poisson": "the right-hand side of the pressure solve: motion, matrix and first guess",
     "flood_balanced": "as flood_force, with the bed of both partners, and walls and terrain in its closure",
 }
 

@@ -1,0 +1,114 @@
+"""``melt bench --dfsph``: a dam break solved by DFSPH, in the state in which it splashes.
+
+A cube of water collapses in a tank 2 x 1.5 edges wide until t = 0.64 s (edge 39 particles of 5 cm); then steps of
+4 ms are timed. Iterations are those that the tolerances ask for; milliseconds per iteration are those of the stages that
+every iteration runs.
+"""
+
+import statistics
+import time
+
+import numpy as np
+
+from melt.scene import scene_from_dict
+from melt.simulation import Simulation
+
+SIZES = (10_648, 59_319, 195_112)
+SPACING, DT, SPLASH = 0.05, 0.004, 0.64
+PRESSURE = ("pressure_acceleration", "pressure_update")
+VISCOUS = ("viscous_apply", "viscous_step", "viscous_turn", "dilation")
+_COLUMNS = zip("liquid wall nbrs mu ms/step its:p+div its:visc ms/it:p ms/it:v lists error".split(), (9, 9, 6, 6, 9, 11, 9, 9, 9, 8, 9))
+HEADER = "".join(f"{name.replace(':', ' '):>{width}}" for name, width in _COLUMNS)
+
+
+def dam(particles, mu=0.0, precision="single", support=2.0, stokes="split"):
+    """Return a scene: a cube of about ``particles`` of liquid collapsing in a tank."""
+    edge = max(6, round(particles ** (1 / 3)))
+    size = edge * SPACING
+    scene = {
+        "scene": {"name": f"dfsph_dam_{edge**3}"},
+        "time": {"end": 10.0, "dt": DT, "n_sub": 1},
+        "domain": {"upper": [2 * size, 1.5 * size, 2 * size], "spacing": SPACING, "walls": {"layers": 3}},
+        "fluid": {"fill": [{"lower": [0, 0, 0], "upper": [size, size, size]}]},
+        "solver": {"precision": precision, "pressure": "dfsph", "support": support, "dfsph": {"on_fail": "warn"}},
+    }
+    if mu:
+        scene["viscosity"] = {"mu": mu, "stokes": stokes, "tolerance": 1e-3}
+    return scene_from_dict(scene)
+
+
+def measure(scene, backend="cpu", until=None, steps=20):
+    """Return the figures of a scene from the time ``until`` [s] (that of the splash, scaled with the cube's edge) on, as a dict."""
+    sim = Simulation(scene, backend, timed=True)
+    edge = np.ptp(sim.initial["position"][2, sim.initial["phase"] == 0]) + SPACING
+    until = SPLASH * np.sqrt(edge / (39 * SPACING)) if until is None else until
+    while sim.time < until:
+        sim.step()
+    walls, seconds, counts, errors = [], [], [], []
+    for _ in range(steps):
+        sim.do.seconds.clear()
+        sim.do.notes.clear()
+        began = time.perf_counter()
+        sim.step()
+        walls.append(1e3 * (time.perf_counter() - began))
+        seconds.append(dict(sim.do.seconds))
+        counts.append(dict(sim.do.notes))
+        errors.append(sim.do.notes.get("density_residual", 0.0))
+    count, phase = sim.state.read("neighbour_count"), sim.state.read("phase")
+    liquid = phase == 0
+
+    def per(names, iterations):
+        runs = sum(c.get(i, 0) for c in counts for i in iterations)
+        return 1e3 * sum(s.get(n, 0.0) for s in seconds for n in names) / max(runs, 1)
+
+    def median(*names):
+        return statistics.median(sum(c.get(n, 0) for n in names) for c in counts)
+
+    jacobi = ("density_iterations", "divergence_iterations")
+    return {
+        "liquid": int(liquid.sum()),
+        "wall": int((phase == 2).sum()),
+        "neighbours": float(count[liquid].mean()),
+        "mu": float(scene.viscosity.mu if scene.viscosity else 0.0),
+        "precision": sim.prepared.precision,
+        "step_ms": statistics.median(walls),
+        "step_ms_best": min(walls),
+        "pressure_iterations": median("density_iterations"),
+        "divergence_iterations": median("divergence_iterations"),
+        "viscous_iterations": median("viscous_iterations"),
+        "pressure_ms": per(PRESSURE, jacobi),
+        "viscous_ms": per(VISCOUS, ("viscous_iterations",)),
+        "lists_ms": 1e3 * statistics.median(s.get("neighbours_grid", 0) + s.get("pair_gradient", 0) for s in seconds),
+        "density_error": float(np.mean(errors)),
+        "time": sim.time,
+        "ms": {n: 1e3 * statistics.median(s.get(n, 0.0) for s in seconds) for n in seconds[0]},
+    }
+
+
+def line(f):
+    """Return the figures as a line of the table."""
+    its = f"{f['pressure_iterations']:.0f}+{f['divergence_iterations']:.0f}"
+    return (
+        f"{f['liquid']:>9,}{f['wall']:>9,}{f['neighbours']:>6.0f}{f['mu']:>6.3g}{f['step_ms']:>9.1f}{its:>11}"
+        f"{f['viscous_iterations']:>9.0f}{f['pressure_ms']:>9.2f}{f['viscous_ms']:>9.2f}{f['lists_ms']:>8.1f}{f['density_error']:>9.1e}"
+    )
+
+
+def run(sizes=SIZES, backend="cpu", precision="single", support=2.0, viscosities=(0.0, 50.0), steps=20, out=None, say=print):
+    """Measure each size without and with implicit viscosity, print a table, store it in HDF5 if ``out`` is given."""
+    import h5py
+
+    say(f"DFSPH, dam break while it splashes, dt {1e3 * DT:g} ms, support {support:g} spacings, {precision} precision")
+    say(HEADER)
+    results = []
+    for n in sizes:
+        for mu in viscosities:
+            results.append(measure(dam(n, mu, precision, support), backend, steps=steps))
+            say(line(results[-1]))
+    if out:
+        with h5py.File(out, "w") as file:
+            for k, found in enumerate(results):
+                group = file.create_group(f"run_{k:03d}")
+                group.attrs.update({name: value for name, value in found.items() if name != "ms"})
+                group.create_group("ms").attrs.update(found["ms"])
+    return results

@@ -1,0 +1,29 @@
+"""CPU twin of `melt.reference.apic_emit`."""
+
+from melt._compile import cpu_stage, prange
+from melt.physics.phases import LIQUID
+
+
+@cpu_stage
+def emit_apic(
+    inflow_position, inflow_velocity, inflow_mass, apic_offset, first, count, slot, lag,
+    apic_phase, apic_position, apic_velocity, apic_affine, apic_mass, apic_strain,
+):
+    """See `melt.reference.apic_emit.emit_apic`."""
+    real = apic_mass.dtype.type
+    m = apic_offset.shape[1]
+    for k in prange(count):
+        i = first + k
+        for o in range(m):
+            p = slot + k * m + o
+            apic_phase[p] = LIQUID
+            apic_mass[p] = inflow_mass[i] / real(m)
+            for a in range(3):
+                v = inflow_velocity[a, i]
+                apic_velocity[a, p] = v
+                apic_position[a, p] = inflow_position[a, i] + (lag * v + apic_offset[a, o])
+            for a in range(9):
+                apic_affine[a, p] = real(0)
+            if apic_strain.shape[1] > 0:
+                for a in range(6):
+                    apic_strain[a, p] = real(1) if a < 3 else real(0)

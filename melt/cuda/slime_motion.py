@@ -1,0 +1,180 @@
+"""CUDA twin of `melt.reference.slime_motion`."""
+
+import math
+
+from melt._compile import cuda, cuda_kernel
+from melt.physics.period import into_box, missed
+from melt.physics.phases import DRIVEN, LIQUID, SOLID
+
+
+@cuda_kernel
+def _copy_motion(position, velocity, position_there, velocity_there):
+    i = cuda.grid(1)
+    if i >= position.shape[1]:
+        return
+    for a in range(3):
+        position_there[a, i] = position[a, i]
+        velocity_there[a, i] = velocity[a, i]
+
+
+def keep_motion(position, velocity, position_kept, velocity_kept):
+    """See `melt.reference.slime_motion.keep_motion`."""
+    _copy_motion.launch(position.shape[1], position, velocity, position_kept, velocity_kept)
+
+
+def restore_motion(position_kept, velocity_kept, position, velocity):
+    """See `melt.reference.slime_motion.restore_motion`."""
+    _copy_motion.launch(position.shape[1], position_kept, velocity_kept, position, velocity)
+
+
+@cuda_kernel
+def _drive(phase, driver, position, driver_motion, velocity):
+    i = cuda.grid(1)
+    if i >= phase.shape[0]:
+        return
+    real, wide = velocity.dtype.type, position.dtype.type
+    if phase[i] == DRIVEN and driver[i] >= 0:
+        b = driver[i]
+        x = real(position[0, i] - wide(driver_motion[6, b]))
+        y = real(position[1, i] - wide(driver_motion[7, b]))
+        z = real(position[2, i] - wide(driver_motion[8, b]))
+        p, q, r = driver_motion[3, b], driver_motion[4, b], driver_motion[5, b]
+        velocity[0, i] = driver_motion[0, b] + (q * z - r * y)
+        velocity[1, i] = driver_motion[1, b] + (r * x - p * z)
+        velocity[2, i] = driver_motion[2, b] + (p * y - q * x)
+
+
+def drive(phase, driver, position, driver_motion, velocity):
+    """See `melt.reference.slime_motion.drive`."""
+    _drive.launch(phase.shape[0], phase, driver, position, driver_motion, velocity)
+
+
+@cuda_kernel
+def _nozzle_hold(phase, position, nozzle_place, nozzle_speed, held, velocity):
+    i = cuda.grid(1)
+    if i >= phase.shape[0]:
+        return
+    real, wide = velocity.dtype.type, position.dtype.type
+    inside = 0
+    if phase[i] == LIQUID:
+        for k in range(nozzle_speed.shape[0]):
+            x = real(position[0, i] - wide(nozzle_place[0, k]))
+            y = real(position[1, i] - wide(nozzle_place[1, k]))
+            z = real(position[2, i] - wide(nozzle_place[2, k]))
+            a, b, c = nozzle_place[3, k], nozzle_place[4, k], nozzle_place[5, k]
+            t = x * a + y * b + z * c
+            x, y, z = x - t * a, y - t * b, z - t * c
+            off2, radius = x * x + y * y + z * z, nozzle_place[7, k]
+            if inside == 0 and t <= real(0) and t >= -nozzle_place[6, k] and off2 <= radius * radius:
+                inside = 1
+                speed = nozzle_speed[k]
+                velocity[0, i], velocity[1, i], velocity[2, i] = speed * a, speed * b, speed * c
+    held[i] = inside
+
+
+def nozzle_hold(phase, position, nozzle_place, nozzle_speed, held, velocity):
+    """See `melt.reference.slime_motion.nozzle_hold`."""
+    _nozzle_hold.launch(phase.shape[0], phase, position, nozzle_place, nozzle_speed, held, velocity)
+
+
+@cuda_kernel
+def _weight(phase, mass, fluid, force):
+    i = cuda.grid(1)
+    if i >= phase.shape[0]:
+        return
+    real = mass.dtype.type
+    m = mass[i] if phase[i] <= SOLID else real(0)
+    force[0, i] = m * fluid.gravity_x
+    force[1, i] = m * fluid.gravity_y
+    force[2, i] = m * fluid.gravity_z
+
+
+def weight(phase, mass, fluid, force):
+    """See `melt.reference.slime_motion.weight`."""
+    _weight.launch(phase.shape[0], phase, mass, fluid, force)
+
+
+@cuda_kernel
+def _free_kick(phase, mobility, force, dt, velocity):
+    i = cuda.grid(1)
+    if i >= phase.shape[0]:
+        return
+    if phase[i] <= SOLID:
+        per_mass = dt * mobility[i]
+        velocity[0, i] += per_mass * force[0, i]
+        velocity[1, i] += per_mass * force[1, i]
+        velocity[2, i] += per_mass * force[2, i]
+
+
+def free_kick(phase, mobility, force, dt, velocity):
+    """See `melt.reference.slime_motion.free_kick`."""
+    _free_kick.launch(phase.shape[0], phase, mobility, force, dt, velocity)
+
+
+@cuda_kernel
+def _advect(phase, position_kept, velocity, period, dt, position):
+    i = cuda.grid(1)
+    if i >= phase.shape[0]:
+        return
+    wide = position.dtype.type
+    step = wide(dt)
+    if phase[i] <= SOLID or phase[i] == DRIVEN:
+        x = position_kept[0, i] + step * wide(velocity[0, i])
+        y = position_kept[1, i] + step * wide(velocity[1, i])
+        z = position_kept[2, i] + step * wide(velocity[2, i])
+        position[0, i] = into_box(x, period.lower_x, period.length_x, period.inverse_x)
+        position[1, i] = into_box(y, period.lower_y, period.length_y, period.inverse_y)
+        position[2, i] = into_box(z, period.lower_z, period.length_z, period.inverse_z)
+
+
+def advect(phase, position_kept, velocity, period, dt, position):
+    """See `melt.reference.slime_motion.advect`."""
+    _advect.launch(phase.shape[0], phase, position_kept, velocity, period, dt, position)
+
+
+@cuda_kernel
+def _liquid_bounds(phase, velocity, position, position_kept, period, dt, slime_bounds):
+    p = cuda.grid(1)
+    n, pieces = phase.shape[0], slime_bounds.shape[1]
+    if p >= pieces:
+        return
+    real, wide = velocity.dtype.type, position.dtype.type
+    step = wide(dt)
+    speed2 = miss2 = real(0)
+    for i in range(p * n // pieces, (p + 1) * n // pieces):
+        if phase[i] == LIQUID:
+            u, v, w = velocity[0, i], velocity[1, i], velocity[2, i]
+            x = missed(position_kept[0, i], step * wide(u), position[0, i], period.length_x, period.inverse_x)
+            y = missed(position_kept[1, i], step * wide(v), position[1, i], period.length_y, period.inverse_y)
+            z = missed(position_kept[2, i], step * wide(w), position[2, i], period.length_z, period.inverse_z)
+            a, b, c = real(x), real(y), real(z)
+            s2, m2 = u * u + v * v + w * w, a * a + b * b + c * c
+            # a NaN would lose every comparison that follows; infinity wins them
+            speed2 = max(speed2, s2 if s2 == s2 else real(math.inf))
+            miss2 = max(miss2, m2 if m2 == m2 else real(math.inf))
+    slime_bounds[0, p] = math.sqrt(speed2)
+    slime_bounds[2, p] = math.sqrt(miss2)
+
+
+@cuda_kernel
+def _affine_bounds(apic_phase, apic_affine, slime_bounds):
+    p = cuda.grid(1)
+    n, pieces = apic_phase.shape[0], slime_bounds.shape[1]
+    if p >= pieces:
+        return
+    real = apic_affine.dtype.type
+    rate2 = real(0)
+    for i in range(p * n // pieces, (p + 1) * n // pieces):
+        if apic_phase[i] == LIQUID:
+            c2 = real(0)
+            for k in range(9):
+                c2 += apic_affine[k, i] * apic_affine[k, i]
+            rate2 = max(rate2, c2 if c2 == c2 else real(math.inf))
+    slime_bounds[1, p] = math.sqrt(rate2)
+
+
+def slime_bounds(phase, velocity, apic_phase, apic_affine, position, position_kept, period, dt, slime_bounds):
+    """See `melt.reference.slime_motion.slime_bounds`."""
+    pieces = slime_bounds.shape[1]
+    _liquid_bounds.launch(pieces, phase, velocity, position, position_kept, period, dt, slime_bounds)
+    _affine_bounds.launch(pieces, apic_phase, apic_affine, slime_bounds)

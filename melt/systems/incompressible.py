@@ -1,0 +1,196 @@
+"""Solvers of an incompressible, viscous liquid, iteration by iteration. "Sn" is the stage of the slime spec, section 1.2.
+
+Each solve changes velocities and returns a `Solved`: iterations, the residual that is left, and whether that is
+within its tolerance. Who calls it decides what follows if it is not.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from melt.errors import MeltError
+
+CHECK = 4  # iterations of conjugate gradients between two looks at the residual
+
+
+class Solved(NamedTuple):
+    """What a solve came to."""
+
+    name: str
+    iterations: int
+    residual: float  # mean error, or relative residual
+    largest: float  # largest error of a particle (of conjugate gradients: the residual again)
+    converged: bool
+
+
+def operators(do):
+    """Gradients to the neighbours, density ratio and DFSPH factor at the positions of now (S5b)."""
+    do.mobility()
+    do.pair_gradient()
+
+
+def divergence(do, dt):
+    """Remove compression that velocities would bring, and nothing else (S8)."""
+    do.divergence_source(dt=dt)
+    return _jacobi(do, dt, "divergence", do.settings.divergence_tolerance, 1)
+
+
+def density(do, dt, ratio=None):
+    """Remove compression that is there, and what velocities would bring (S9)."""
+    do.density_source(completed_ratio=ratio or _ratio(do), dt=dt)
+    if do.need.closed:  # no surface yields: only differences of density can be removed
+        do.source_mean()
+        total, count = np.asarray(do.read("source_sums"), np.float64).sum(axis=1)
+        do.shift_source(shift=float(total / max(count, 1)))
+    return _jacobi(do, dt, "density", do.settings.density_tolerance, 2)
+
+
+def _jacobi(do, dt, name, tolerance, least):
+    """Relaxed Jacobi iteration of one of the two DFSPH solves, from the last step's pressure. Spec 2.7."""
+    impulse = f"{name}_impulse"
+    do.pressure_start(density_impulse=impulse, dt=dt)
+    mean = largest = 0.0
+    since, before = 0, math.inf  # iterations since the momentum began
+    for k in range(do.settings.max_iterations + 1):
+        do.pressure_acceleration()
+        do.pressure_update(dt=dt)
+        sums = np.asarray(do.read("pressure_error"), np.float64)
+        mean, largest = float(sums[0].sum() / max(sums[2].sum(), 1)), float(sums[1].max())
+        # the error is that of the pressure before this update, which is what acts below
+        if ((k >= least and mean <= tolerance) or not math.isfinite(mean)) and not do.recording:
+            break
+        if do.settings.accelerate:
+            since = 0 if mean > before else since + 1  # where it went wrong the momentum begins anew
+            do.pressure_extrapolate(momentum=(since - 1) / (since + 2) if since > 0 else 0.0)
+            before = mean
+        if do.recording:
+            break
+    do.pressure_kick(dt=dt)
+    do.pressure_keep(density_impulse=impulse, dt=dt)
+    return Solved(name, k, mean, largest, mean <= tolerance or do.recording)
+
+
+def project(do, dt):
+    """Pressure Poisson equation, zero at the free surface, and what it does to velocities (S7)."""
+    do.poisson_pairs(completed_ratio=_ratio(do))
+    do.poisson_start(completed_ratio=_ratio(do), dt=dt)
+    solved = _conjugate(do, "poisson", do.settings.poisson_tolerance, do.settings.poisson_iterations, lambda: do.poisson_apply())
+    do.poisson_finish(completed_ratio=_ratio(do))
+    do.poisson_acceleration()
+    do.pressure_kick(dt=dt)
+    return solved
+
+
+def _ratio(do):
+    return "completed_ratio" if do.need.ghosts else "density_ratio"
+
+
+def viscous(do, dt):
+    """Implicit viscosity, together with incompressibility where the scene asks for it (S6b). Spec 2.11."""
+    s = do.settings
+    if do.need.shears:
+        do.shear_rate()
+    do.viscosity()
+    do.pair_shear(dt=dt)
+    do.restore_motion(position_kept="position", velocity_kept="velocity", position="position", velocity="velocity_free")
+    outer, found = (s.outer if do.need.augmented else 1), []
+
+    def apply():
+        if do.need.augmented:
+            do.dilation(velocity="viscous_direction")
+        do.viscous_apply(dt=dt)
+
+    for _ in range(outer):
+        if do.need.augmented:
+            do.dilation()
+        do.viscous_start(dt=dt)
+        found.append(_conjugate(do, "viscous", s.viscous_tolerance, s.viscous_iterations, apply))
+        if do.need.augmented:
+            do.dilation()
+            do.viscous_keep()
+    worst = max(found, key=lambda f: f.residual if f.residual == f.residual else math.inf)
+    return worst._replace(iterations=sum(f.iterations for f in found), converged=all(f.converged for f in found))
+
+
+def _conjugate(do, name, tolerance, limit, apply):
+    """Preconditioned conjugate gradients on the fields of ``name``; sums rows: r.z, p.Ap, next r.z, r.r, b.b."""
+    residual, k, size = 0.0, 0, 0.0
+    for k in range(limit + 1):
+        if k % CHECK == 0 or k == limit:
+            sums = np.asarray(do.read(f"{name}_sums"), np.float64).sum(axis=1)
+            # of a liquid at rest only what moving walls bring is on the right-hand side: it is in the first residual
+            size = max(size, sums[4], sums[3] if k == 0 else 0.0)
+            residual = math.sqrt(sums[3] / size) if size > 0 else float(sums[3])
+            if residual <= tolerance or not math.isfinite(residual) or k == limit:
+                break
+        apply()
+        getattr(do, f"{name}_step")()
+        getattr(do, f"{name}_turn")()
+        if do.recording:
+            break
+    return Solved(name, k, residual, residual, residual <= tolerance or do.recording)
+
+
+def tally(do, name, count):
+    """Add to a count of this outer step."""
+    total = do.clock.tally[name] = do.clock.tally.get(name, 0) + count
+    do.note(name, total)
+
+
+def told(do, solved):
+    """Note what a solve came to: iterations of the outer step, residual and largest error of the last sub-step."""
+    tally(do, f"{solved.name}_iterations", solved.iterations)
+    do.note(f"{solved.name}_residual", solved.residual)
+    do.note(f"{solved.name}_error_max", solved.largest)
+
+
+def tell(do, dt, failed):
+    """Say which solve has not converged; end the run unless the scene says to go on."""
+    words = "; ".join(f"{f.name} solve after {f.iterations} iterations: {f.residual:.3g}" for f in failed)
+    text = f"at t = {do.clock.time:.5g} s a sub-step of {dt:.3g} s has not converged ({words})"
+    if do.settings.on_fail == "warn" and all(math.isfinite(f.residual) for f in failed):
+        tally(do, "unconverged", 1)
+        do.warning = f"{text}. Fix: a shorter time.dt, or more iterations (solver.dfsph.max_iterations, viscosity.max_iterations)"
+        return
+    raise MeltError(
+        f"{text}. The frames before are kept. Lower time.dt, raise solver.dfsph.max_iterations, poisson_iterations or "
+        "viscosity.max_iterations, loosen the tolerance, or set solver.dfsph.on_fail = 'warn' to mark such frames and go on"
+    )
+
+
+def step_limits(do):
+    """Return {bound: seconds} of the sub-step: none for viscosity or sound. Spec 2.12."""
+    s, clock = do.settings, do.clock
+    speed = max(clock.max_speed, getattr(s, "design_speed", 0.0) if clock.max_speed == 0 else 0.0, 1e-12)
+    limits = {"speed": s.courant * s.spacing / speed}
+    if s.gravity > 0:
+        limits["gravity"] = s.courant / 0.4 * 0.25 * math.sqrt(s.spacing / s.gravity)
+    affine = getattr(clock, "largest_affine", 0.0)
+    if affine > 0:
+        limits["affine"] = 0.5 * s.courant / 0.4 / affine
+    if s.elastic_speed > 0:
+        limits["elastic"] = 0.3 * s.spacing / s.elastic_speed
+    return limits
+
+
+def sub_steps(do, dt):
+    """Return (n_sub, dt / n_sub), the fewest sub-steps that the limits allow, and note why.
+
+    Raises:
+        MeltError: the limits ask for more than ``n_sub_max`` sub-steps (never silently unstable).
+    """
+    s = do.settings
+    limits = step_limits(do)
+    governing = min(limits, key=limits.get)
+    n_sub = s.n_sub or max(1, math.ceil(dt / limits[governing] * (1 - 1e-9)))
+    if s.n_sub is None and n_sub > s.n_sub_max:
+        raise MeltError(
+            f"time step: at t = {do.clock.time:.4g} s the bound '{governing}' allows sub-steps of {limits[governing]:.3g} s, "
+            f"{n_sub} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max} (largest speed {do.clock.max_speed:.3g} m/s): "
+            "lower time.dt, raise time.n_sub_max, or set solver.dfsph.semi_lagrangian = true, which allows longer steps"
+        )
+    do.note("n_sub", n_sub)
+    do.note("governing_bound", "given" if s.n_sub else governing)
+    do.note("step_over_limit", dt / n_sub / limits[governing])
+    return n_sub, dt / n_sub

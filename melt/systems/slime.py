@@ -1,0 +1,207 @@
+"""Incompressible and viscous liquids: one outer step, stage by stage. "Sn" is the stage of the slime spec, section 1.2.
+
+Liquid particles are the nodes on which all dynamics happens. Where a scene has APIC particles, these carry mass,
+momentum and affine velocity: in every sub-step nodes get both from them (claim 2 of the source, steps 1.1-1.4), and hand
+the new velocity back (1.6-1.9). Air ghost particles complete the density at the free surface and live for one sub-step.
+Solvers are in `melt.systems.incompressible`. Positions and velocities live at t^n.
+"""
+
+import numpy as np
+
+from melt.fields_slime import APIC_CARRIED
+from melt.slime.motion import motion_of
+from melt.systems import incompressible as solve
+from melt.systems.heat import heat, start_heat
+from melt.systems.incompressible import step_limits, sub_steps, tally, tell  # noqa: F401  (step_limits: asked of every page)
+from melt.systems.melting import emit, grown, search, sort
+
+
+def start(do):
+    """Derive thermal properties; nothing else is needed before the first step."""
+    if do.need.heat:
+        start_heat(do)
+    if do.need.apic and not do.clock.apic:
+        do.clock.apic = int((np.asarray(do.read("apic_phase")) == 0).sum())
+    if do.settings.relax and not do.recording and do.clock.step == 0:
+        relax(do)
+
+
+def relax(do):
+    """Take the overlap out of a disordered start: the density solve moves particles, velocities stay as they were (spec 4)."""
+    ids, velocity = do.read("id"), do.read("velocity")
+    by_id = np.argsort(ids, kind="stable")
+    for _ in range(do.settings.relax):
+        do.give("velocity", np.zeros_like(velocity))
+        listed(do)
+        do.liquid_volume()
+        solve.operators(do)
+        solve.density(do, 1e-3, "density_ratio")
+        do.keep_motion()
+        do.advect(dt=1e-3)
+    rank = np.argsort(np.argsort(do.read("id"), kind="stable"), kind="stable")
+    do.give("velocity", np.ascontiguousarray(velocity[:, by_id][:, rank]))
+    do.give("density_impulse", np.zeros_like(do.read("density_impulse")))
+
+
+def step(do, dt):
+    """Advance the state by one outer step of ``dt`` seconds."""
+    if do.need.inflow:
+        emit(do, dt)  # S1
+    n_sub, sub_dt = sub_steps(do, dt)
+    do.clock.tally = {}
+    for _ in range(n_sub):
+        advance(do, sub_dt, do.settings.retries)
+    if do.need.heat:
+        heat(do, dt)
+    report(do, dt)
+    do.clock.step += 1
+
+
+def advance(do, dt, retries):
+    """Advance by a sub-step; one whose solves do not converge is tried again in two halves, or stops the run."""
+    s = do.settings
+    if do.need.apic:
+        gather(do)  # S2-S4: v^n, m^n of the nodes
+    do.keep_motion()  # S0
+    failed = [f for f in forces(do, dt) if not f.converged]
+    if do.recording:  # whether or not it comes to that
+        do.restore_motion()
+    if failed and s.on_fail == "retry" and retries > 0:
+        do.restore_motion()
+        tally(do, "retries", 1)
+        advance(do, dt / 2, retries - 1)
+        advance(do, dt / 2, retries - 1)
+        return
+    if failed:
+        tell(do, dt, failed)
+    if do.need.semi_lagrangian:
+        do.restore_motion(velocity_kept="velocity")  # back to x^n, with v^(n+1)
+        if do.need.apic:
+            sort(do)
+    if do.need.apic:
+        do.nodes_to_apic(dt=dt)  # S10: v^(n+1), C^(n+1)
+        do.apic_move(dt=dt)  # S12
+        if do.need.elastic:
+            do.apic_strain(dt=dt)
+    do.advect(dt=dt)  # S11: x^n -> x^(n+1)
+    if do.need.domain:
+        do.leave_domain()
+    do.clock.time += dt
+    do.clock.previous_dt = dt
+
+
+def gather(do):
+    """Sort nodes and APIC particles by cell, and give nodes the mass and momentum that APIC particles carry (S2-S4)."""
+    sort(do)
+    do.cell_index(position="apic_position", phase="apic_phase", cell="apic_cell")
+    do.cell_sort(cell="apic_cell", order="apic_order", cell_start="apic_start", arrival="apic_arrival")
+    do.reorder(APIC_CARRIED, "apic_order")
+    do.apic_weights()
+    do.liquid_volume()  # of walls and bodies
+    do.apic_to_nodes()
+
+
+def forces(do, dt):
+    """Solve for v^(n+1), where the particles are or (S14) where they arrive; return what each solve came to."""
+    s = do.settings
+    found = []
+    for arrival in range(s.arrivals):
+        if do.need.semi_lagrangian:
+            do.advect(dt=dt)  # X_a = x^n + dt v of the last guess
+            do.restore_motion(position_kept="position")  # v^n anew
+        found = velocities(do, dt)
+        if arrival + 1 < s.arrivals:
+            do.slime_bounds(dt=dt)
+            missed = float(np.asarray(do.read("slime_bounds"))[2].max())
+            if missed <= 0.1 * s.support:
+                break
+    do.note("arrivals", arrival + 1)
+    for f in found:
+        solve.told(do, f)
+    return found
+
+
+def velocities(do, dt):
+    """v^n -> v^(n+1): body forces, viscosity, pressure (S5-S9)."""
+    need, found = do.need, []
+    listed(do)  # S2
+    boundaries(do, dt)
+    if not need.apic:
+        do.liquid_volume()
+    solve.operators(do)  # S5b
+    if need.apic:
+        do.massless_velocity()
+    if need.ghosts:
+        air(do)  # S5a
+    if do.settings.early_divergence and need.dfsph:
+        found.append(solve.divergence(do, dt))
+    push(do, dt)  # S6a
+    if need.viscosity:
+        found.append(solve.viscous(do, dt))  # S6b
+    if need.poisson:
+        found.append(solve.project(do, dt))  # S7
+    if need.dfsph:
+        if not do.settings.early_divergence:
+            found.append(solve.divergence(do, dt))  # S8
+        found.append(solve.density(do, dt))  # S9
+    return found
+
+
+def listed(do):
+    """Sort nodes by cell and list the neighbours of each (S2)."""
+    if not do.need.periodic:
+        return search(do)
+    sort(do)
+    do.neighbours_periodic()
+    if grown(do, "neighbour", "neighbour_count"):
+        do.neighbours_periodic()
+
+
+def boundaries(do, dt):
+    """Velocities that are given: of moving bodies, and of liquid inside a nozzle."""
+    if do.need.drivers:
+        do.give("driver_motion", motion_of(do.settings.bodies, do.clock.time, dt))
+        do.drive()
+    if do.need.nozzles:
+        do.nozzle_hold()
+
+
+def air(do):
+    """Seed air ghost particles beyond the free surface, and complete the density by them (S5a). Spec 2.8."""
+    do.ghost_candidates()
+    do.ghost_thin()
+    do.ghost_list()
+    count = int(do.read("ghost_start")[-2]) if not do.recording else 0
+    if count > do.size("ghost"):
+        do.resize("ghost", count + count // 4)
+    do.ghost_place()
+    do.ghost_volume()
+    do.ghost_complete()
+    do.note("ghosts", count)
+
+
+def push(do, dt):
+    """Body forces on the nodes (S6a)."""
+    need = do.need
+    do.weight()
+    if need.buoyancy:
+        do.buoyancy()
+    if need.drag:
+        do.drag()
+    if need.surface_tension:
+        do.surface_tension()
+    if need.elastic:
+        do.elastic_force(dt=dt)
+    do.free_kick(dt=dt)
+
+
+def report(do, dt):
+    """Read the largest speed and affine velocity back, once per outer step."""
+    do.slime_bounds(dt=0.0)
+    speed, affine, _ = np.asarray(do.read("slime_bounds"), np.float64).max(axis=1)
+    do.clock.max_speed, do.clock.largest_affine = float(speed), float(affine)
+    if do.need.apic:
+        do.apic_sums()
+        orphans, mass, _ = np.asarray(do.read("apic_sums"), np.float64).sum(axis=1)
+        do.note("orphans", int(orphans))
+        do.note("orphan_mass", float(mass))
