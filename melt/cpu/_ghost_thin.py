@@ -26,22 +26,23 @@ def _lattice_range(u, reach, count):
 
 @cpu_helper
 def _rule_out(u_x, u_y, u_z, p_x, p_y, p_z, base, across, layers, reach, limit, ghost_state):
-    """Drop the candidates of the cell that are too near to a ghost at (u_x, u_y, u_z)."""
+    """Drop the candidates of the cell that are too near to a ghost at (u_x, u_y, u_z).
+
+    Units are kept in single precision, exact below 2^24: so are squares around the limit. A ghost looks through
+    whole layers of points, in one long loop without branches.
+    """
     i_0, i_1 = _lattice_range(u_x, reach, across)
+    j_0, j_1 = _lattice_range(u_y, reach, layers)
     k_0, k_1 = _lattice_range(u_z, reach, across)
-    if i_1 < i_0 or k_1 < k_0:
+    if i_1 < i_0 or j_1 < j_0 or k_1 < k_0:
         return
-    j_0, j_1 = np.int64(0), np.int64(0)
-    if layers > 1:
-        j_0, j_1 = _lattice_range(u_y, reach, layers)
-    for k in range(k_0, k_1 + 1):
-        for j in range(j_0, j_1 + 1):
-            line = across * (j + layers * k)
-            for p in range(np.uint64(line + i_0), np.uint64(line + i_1 + 1)):
-                d_x, d_y, d_z = np.int64(p_x[p]) - u_x, np.int64(p_y[p]) - u_y, np.int64(p_z[p]) - u_z
-                q = np.uint64(base) + p
-                if ghost_state[q] == CANDIDATE and d_x * d_x + d_y * d_y + d_z * d_z < limit:
-                    ghost_state[q] = DROPPED
+    x, y, z, most = np.float32(u_x), np.float32(u_y), np.float32(u_z), np.float32(limit)
+    shift = np.uint64(base)
+    for p in range(np.uint64(k_0 * across * layers), np.uint64((k_1 + 1) * across * layers)):
+        d_x, d_y, d_z = p_x[p] - x, p_y[p] - y, p_z[p] - z
+        state = ghost_state[shift + p]
+        drop = (state == np.int32(CANDIDATE)) & (d_x * d_x + d_y * d_y + d_z * d_z < most)
+        ghost_state[shift + p] = np.int32(DROPPED) if drop else state
 
 
 @cpu_helper
@@ -133,7 +134,7 @@ def _thin_cell(ghost_state, c_x, c_y, c_z, grid, period, ghosts, p_x, p_y, p_z):
 def thin_rows(ghost_state, grid, period, ghosts, t_x, t_y, t_z, piece, pieces):
     """Thin a share of the cells of a turn."""
     size = np.int64(ghosts.across) * ghosts.across * (1 if ghosts.flat else ghosts.across)
-    p_x, p_y, p_z = np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.int32)
+    p_x, p_y, p_z = np.empty(size, np.float32), np.empty(size, np.float32), np.empty(size, np.float32)
     lines = np.int64(grid.ny) * grid.nz
     for line in range(lines * piece // pieces, lines * (piece + 1) // pieces):
         c_y, c_z = line % grid.ny, line // grid.ny
