@@ -78,6 +78,7 @@ def settings_of(scene, initial, precision):
         bodies=[Body.of(o, k) for k, o in enumerate(o for o in scene.obstacle if o.moves)],
         apic_per_node=1 if scene.solver.apic is None else scene.solver.apic.per_axis**scene.domain.dimensions,
         apic_capacity=initial["apic_id"].size if "apic_id" in initial else 0,
+        node_volume=scene.particle_volume,
         sigma=scene.fluid.sigma,
         node_shift=q.node_shift,
         capillary=2 * math.pi * scene.fluid.sigma / (scene.fluid.density * scene.spacing**3),
