@@ -15,6 +15,9 @@ APART, CLOSE = 0.7, 0.3  # spacings: a new node keeps this distance; of two clos
 
 def tend(do):
     """Delete nodes without mass and the second of two in one place; give orphans a node. Every `EVERY` outer steps."""
+    if do.recording:
+        for name in ("apic_id", "apic_state", "node_state"):
+            do.read(name)
     if do.clock.step % EVERY or do.recording:
         return
     orphans = np.asarray(do.read("apic_state")) == ORPHAN
