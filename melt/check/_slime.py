@@ -100,15 +100,7 @@ def fields(arrays, rng):
         divergence_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         surface_normal=_normals(act, g),
         surface_pressure=np.where(act & (rng.random(n) < 0.3), rng.normal(size=n) * 500.0, 0.0),
-        pair_poisson=s_ij,
-        poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
-        poisson_diagonal=diagonal,
-        poisson_pressure=np.where(act, rng.normal(size=n) * 3e3, 0.0),
-        poisson_residual=np.where(act, rng.normal(size=n), 0.0),
-        poisson_direction=np.where(act, rng.normal(size=n) * 1e3, 0.0),
-        poisson_product=np.where(act, rng.normal(size=n), 0.0),
-        poisson_sums=rng.uniform(0.5, 1.5, (5, 64)),
-        ghost_laplacian=ghost,
+        **_poisson(act, s_ij, diagonal, ghost, rng),
         viscosity=mu,
         shear_rate=np.where(liquid, rng.uniform(0, 30, n), 0.0),
         pair_shear=w,
@@ -123,6 +115,22 @@ def fields(arrays, rng):
         position_kept=arrays["position"] + 0.01 * SPACING * rng.normal(size=(3, n)),
         velocity_kept=arrays["velocity"] + 0.1 * rng.normal(size=(3, n)),
         node_state=np.where(liquid & (rng.random(n) < 0.05), 1, 0),
+    )
+
+
+def _poisson(act, s_ij, diagonal, ghost, rng):
+    """Return the fields of the pressure Poisson equation."""
+    n = len(act)
+    return dict(
+        pair_poisson=s_ij,
+        poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
+        poisson_diagonal=diagonal,
+        poisson_pressure=np.where(act, rng.normal(size=n) * 3e3, 0.0),
+        poisson_residual=np.where(act, rng.normal(size=n), 0.0),
+        poisson_direction=np.where(act, rng.normal(size=n) * 1e3, 0.0),
+        poisson_product=np.where(act, rng.normal(size=n), 0.0),
+        poisson_sums=rng.uniform(0.5, 1.5, (5, 64)),
+        ghost_laplacian=ghost,
     )
 
 
