@@ -131,6 +131,9 @@ def velocities(do, dt):
         do.liquid_volume()
     boundaries(do, dt)
     solve.operators(do)  # S5b
+    if need.node_shift:
+        do.node_shift(shift=do.settings.node_shift)
+        solve.operators(do)
     if need.apic:
         do.massless_velocity()
     if need.ghosts:
