@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from experiments._slime_runs import energy, liquid, settings_of, start, to
 
@@ -68,6 +69,35 @@ def vortices(*settings, end=0.2):
     return out
 
 
+def operator(*settings, end=0.2):
+    """Return what the pair forces dissipate over 2 mu E:E where Taylor-Green vortices have taken the particles.
+
+    In their own flow, in a shear wave, in uniform shear and extension along the axes, and in the mean over all directions.
+    """
+    sim = start("taylor_green", *settings)
+    found = to(sim, end)
+    x, h, V = liquid(sim).x, sim.scene.support, sim.scene.spacing**2
+    pair = cKDTree(x % 1.0, boxsize=1.0).query_pairs(h, output_type="ndarray")
+    d = x[pair[:, 0]] - x[pair[:, 1]]
+    d -= np.round(d)
+    r2 = (d**2).sum(axis=1)
+    q = np.sqrt(r2) / h
+    slope = 40 / (7 * np.pi * h**3) * np.where(q <= 0.5, 12 * q - 18 * q**2, 6 * (1 - q) ** 2)
+    weight = 8 * slope / np.sqrt(r2) / (r2 + sim.scene.viscosity.floor * h**2) * V**2
+    k = 2 * np.pi
+
+    def share(v, exact):
+        along = ((v[pair[:, 0]] - v[pair[:, 1]]) * d).sum(axis=1)
+        return float((weight * along**2).sum() / (exact * V * (v**2).sum()))
+
+    own = np.stack([np.cos(k * x[:, 0]) * np.sin(k * x[:, 1]), -np.sin(k * x[:, 0]) * np.cos(k * x[:, 1])], axis=1)
+    wave = np.stack([np.sin(k * x[:, 1]), np.zeros(len(x))], axis=1)
+    shear = float((weight * (d[:, 0] * d[:, 1]) ** 2).sum())
+    stretch = float((weight * (d[:, 0] ** 2 - d[:, 1] ** 2) ** 2).sum() / 4)
+    out = {"own": share(own, 2 * k**2), "wave": share(wave, k**2), "shear": shear, "extension": stretch, "mean": (shear + stretch) / 2}
+    return out | {"seconds": found["seconds"], "settings": settings_of(sim, found) if end else "the lattice of the start"}
+
+
 def film(across=20, slope=0.1, *settings):
     """Return the surface speed of a film on an incline over rho g sin(a) H^2/(2 mu) (periodic, gravity tilted), after H^2/nu."""
     g = 9.81
@@ -77,8 +107,7 @@ def film(across=20, slope=0.1, *settings):
     found = to(sim, H**2 / NU)
     q = liquid(sim)
     z, depth = q.x[:, 1], q.m.sum() / sim.scene.fluid.density / (12 * H / across)
-    nu = NU
-    a, t = g * math.sin(slope), sim.time
+    nu, a, t = NU, g * math.sin(slope), sim.time
     n = (2 * np.arange(200) + 1)[:, None]
     half = a / (2 * nu) * z * (2 * depth - z) - (16 * a * depth**2 / (nu * np.pi**3 * n**3) * np.sin(n * np.pi * z / (2 * depth))
                                                  * np.exp(-nu * (n * np.pi / (2 * depth)) ** 2 * t)).sum(axis=0)

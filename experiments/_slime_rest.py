@@ -7,15 +7,12 @@ from experiments._slime_runs import liquid, settings_of, start, to
 G, RHO = 9.81, 1000.0
 
 
-def tank(*settings, end=0.2, ghosts=True):
+def tank(*settings, end=0.2, **taken):
     """Return errors of the pressure over rho g H, the scatter of the top row over rho g d0, and the speed over sqrt(g H).
 
     Pressure is averaged over the second half of the run (`L2`), and as it is at the last instant (`L2_last`).
     """
-    # defaults of a scene file cannot be taken away by a setting: without ghosts the pressure solver is DFSPH alone, or their twin
-    sim = start("hydrostatic", *settings)
-    if not ghosts:
-        sim = _without_ghosts(sim, settings)
+    sim = start("hydrostatic", *settings, **taken)
     d = sim.scene.spacing
     q = liquid(sim)
     depth = q.x[:, 1].max() + d / 2
@@ -31,8 +28,6 @@ def tank(*settings, end=0.2, ghosts=True):
     found = to(sim, end, watch)
     off, q = np.array(kept), liquid(sim)
     top = q.x[:, 1] > depth - d * 0.9
-    rows = sim.initial["position"][:, sim.initial["phase"] == 0] if False else None
-    del rows
     scale, speed = depth / d, np.sqrt(G * depth)
     return {
         "L2": float(np.sqrt((off.mean(axis=0) ** 2).mean())), "L2_each": float(np.sqrt((off**2).mean(axis=1)).mean()),
@@ -41,10 +36,3 @@ def tank(*settings, end=0.2, ghosts=True):
         "speeds": np.array(fastest) / speed, "level": float(q.x[:, 1].max() + d / 2 - depth) / d,
         "seconds": found["seconds"], "settings": settings_of(sim, found),
     }
-
-
-def _without_ghosts(sim, settings):
-    from melt.simulation import Simulation
-
-    scene = sim.scene.model_copy(update={"solver": sim.scene.solver.model_copy(update={"ghosts": None})})
-    return Simulation(scene, "cpu")

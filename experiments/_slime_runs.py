@@ -5,16 +5,18 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from melt.geometry.build import build
 from melt.physics.phases import LIQUID
 from melt.scene import load_scene
 from melt.simulation import Simulation
+from melt.slime.build import flow
 
 SOLVES = ("viscous", "poisson", "divergence", "density")
 
 
-def start(scene, *settings, precision=None):
-    """Return the `Simulation` of a scene by name, with ``settings`` such as "domain.spacing=0.1" or {"section": {...}}."""
-    return Simulation(load_scene(scene, list(settings)), "cpu", precision)
+def start(scene, *settings, **taken):
+    """Return the `Simulation` of a scene by name, with ``settings`` such as "domain.spacing=0.1"; ``taken``: see `without`."""
+    return Simulation(without(load_scene(scene, list(settings)), **taken), "cpu")
 
 
 def liquid(sim):
@@ -61,3 +63,22 @@ def spin(m, x, v):
     """Return the angular momentum about the centre of mass, positive from x to z [kg m/s]."""
     d = x - np.average(x, axis=0, weights=m)
     return float((m * (d[:, 0] * v[:, 1] - d[:, 1] * v[:, 0])).sum())
+
+
+def without(scene, ghosts=True, nodes=False):
+    """Return a scene without its air ghost particles (``ghosts`` false), without APIC particles (``nodes``): no setting does that."""
+    left = {} if ghosts else {"ghosts": None}
+    left |= {"apic": None} if nodes else {}
+    return scene.model_copy(update={"solver": scene.solver.model_copy(update=left)})
+
+
+def turned(scene, *settings, degrees=25.0, **taken):
+    """Return the simulation of a disc with a flow whose lattice is turned: one stretched along its rows decouples (slime spec 4)."""
+    scene = without(load_scene(scene, list(settings)), **taken)
+    initial, c, s = build(scene), np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    for name in ("", "apic_"):
+        if f"{name}position" in initial:
+            x, v = initial[f"{name}position"], initial[f"{name}velocity"]
+            x[0], x[2] = c * x[0] - s * x[2], s * x[0] + c * x[2]
+            v[:] = flow(scene.fluid.flow, x)
+    return Simulation(scene, "cpu", initial=initial)
