@@ -10,7 +10,7 @@ G, RHO = 9.81, 1000.0
 def tank(*settings, end=0.2, **taken):
     """Return errors of the pressure over rho g H, the scatter of the top row over rho g d0, and the speed over sqrt(g H).
 
-    Pressure is averaged over the second half of the run (`L2`), and as it is at the last instant (`L2_last`).
+    `L2` is of the pressure averaged over the second half of the run, `L2_each` the mean of its instants, `L2_last` the last one.
     """
     sim = start("hydrostatic", *settings, **taken)
     d = sim.scene.spacing

@@ -14,8 +14,8 @@ from experiments._slime_runs import liquid, start
 
 @pytest.mark.parametrize("kind", ["couette", "poiseuille"])
 def test_start_up_between_plates(kind):
-    """20 across: 5 %. Without mirrored walls, water slips: 20 % of Poiseuille's speeds."""
-    assert plates.start_up(kind, 20)["L2"] <= 0.05  # 0.3 %, and 4.9997 %: the lattice has 0.956 of its viscosity in shear
+    """20 across: 5 %, at every instant. Without mirrored walls, water slips: 20 % of Poiseuille's speeds."""
+    assert plates.start_up(kind, 20)["worst"] <= 0.05  # 3.6 % (of the time step), and 4.9997 %: the lattice has 0.956 of its viscosity in shear
 
 
 def test_walls_must_mirror():
@@ -43,7 +43,7 @@ def test_ghosts_stand_in_air():
 
 def test_a_tank_at_rest():
     found = rest.tank(end=0.2)
-    assert found["L2"] <= 0.01 and found["surface_std"] <= 0.3 and "density 2" in found["settings"]
+    assert found["L2_each"] <= 0.01 and found["surface_std"] <= 0.3 and "density 2" in found["settings"]
     assert found["largest"] <= 0.01  # it grows: 0.06 sqrt(g H) after 1 s, 0.0013 with APIC particles
 
 
