@@ -1,10 +1,10 @@
 """Slime: exact solutions of viscous and of free flow (plates, vortices, films, tanks, rotating and stretching bodies).
 
 Two dimensions, double precision, the numbers of the scenes unless a row says otherwise. L2 of a velocity is that of its error
-over that of the exact profile, over all particles; pressures are over rho g H, and those in
-the middle of the rotating square are means over w t = 0.045 to 0.125, a window chosen after the noise of the first steps was seen. Nodes are read, also where APIC particles
-carry the mass. "Operator" rows measure what the pair forces dissipate in a given flow over what the liquid would: they tell the
-viscosity of an arrangement of particles, whatever the rest of the method does. Rows without a bound claim nothing.
+over that of the exact profile, over all particles; pressures are over rho g H, and those in the middle of the rotating square
+are means over w t = 0.045 to 0.125, a window chosen after the noise of the first steps was seen. Nodes are read, also where APIC
+particles carry the mass. "Operator" rows measure what the pair forces dissipate in a given flow over what the liquid would: they
+tell the viscosity of an arrangement of particles, whatever the rest of the method does. Rows without a bound claim nothing.
 """
 
 import h5py
@@ -23,7 +23,7 @@ DISORDER = f"fluid.jitter={plates.NOISY}"
 CASES = {
     "couette/20": (plates.start_up, ("couette", 20), {}),
     "couette/40": (plates.start_up, ("couette", 40), {}),
-    "couette/40, dt/4": (plates.start_up, ("couette", 40, "time.dt=0.25 ms"), {}),
+    "couette/40, a quarter of dt": (plates.start_up, ("couette", 40, "time.dt=0.25 ms"), {}),
     "poiseuille/20": (plates.start_up, ("poiseuille", 20), {}),
     "poiseuille/40": (plates.start_up, ("poiseuille", 40), {}),
     "poiseuille/40, walls as they are": (plates.start_up, ("poiseuille", 40, "viscosity.wall=0.5"), {}),

@@ -15,7 +15,7 @@ from experiments._slime_runs import liquid, start
 @pytest.mark.parametrize("kind", ["couette", "poiseuille"])
 def test_start_up_between_plates(kind):
     """20 across: 5 %, at every instant. Without mirrored walls, water slips: 20 % of Poiseuille's speeds."""
-    assert plates.start_up(kind, 20)["worst"] <= 0.05  # 3.6 % (of the time step), and 4.9997 %: the lattice has 0.956 of its viscosity in shear
+    assert plates.start_up(kind, 20)["worst"] <= 0.05  # 3.6 % (at first), and 4.9997 %: rows have 0.956 of their viscosity
 
 
 def test_walls_must_mirror():
