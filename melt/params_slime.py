@@ -67,7 +67,7 @@ class Viscous(NamedTuple):
     yield_rate: float  # m of the regularised yield stress [s]
     smallest: float  # caps of mu [Pa s]
     largest: float
-    wall: float  # viscosity of the pair with a wall in units of the liquid's: 0 free slip, 1 no slip, more: sticky
+    wall: float  # viscosity of the pair with a wall in units of the liquid's: 0 free slip, 2 no slip (mirrored), more: sticky
     strength: float  # 2 (d + 2), d the dimension
     floor: float  # eps_v h^2 [m^2]
     gamma: float  # augmented Lagrangian: gamma/mu; 0: viscosity alone

@@ -169,7 +169,7 @@ def viscous_of(scene, real):
         yield_rate=v.yield_time,
         smallest=v.smallest,
         largest=v.largest,
-        wall=v.wall,
+        wall=2 * v.wall,  # mirrored velocity at a flat wall, in the mean: without it water slips by half a spacing
         strength=2 * (dim + 2),
         floor=v.floor * scene.support**2,
         gamma=v.gamma if needs_augmented(scene) else 0.0,
