@@ -38,6 +38,7 @@ class Poisson(NamedTuple):
     pull: float  # beta_rho: share of a density deficit that is asked back
     full_share: float  # below this density ratio negative pressure is cut to 0
     clamp: int  # 1: all negative pressure is cut
+    full: float = 0.0  # without ghosts: least sum of V F over neighbours inside the liquid; what lacks is air [1/m^2]; 0: there is no air
 
 
 class Ghosts(NamedTuple):

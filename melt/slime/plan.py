@@ -5,12 +5,14 @@ import math
 import numpy as np
 
 from melt import params as P
-from melt.constants import KERNELS, calibration, grid_of
+from melt.constants import KERNELS, calibration, grid_of, lattice_offsets, smoothing_of
 from melt.errors import InputError
+from melt.physics.smoothing import dW
 from melt.slime.motion import Body
 
 LAWS = {"constant": P.VISCOSITY_CONSTANT, "arrhenius": P.VISCOSITY_ARRHENIUS, "exponential": P.VISCOSITY_EXPONENTIAL}
 AXES = "xyz"
+FULL = 0.9  # share of the lattice's neighbours below which a liquid without ghosts borders on air
 RELAX = 10  # passes that take the overlap out of a disordered start
 MOST_GHOST_POINTS = 200_000_000
 #: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
@@ -119,6 +121,7 @@ def params_of(scene, particles, real):
             pull=s.dfsph.pull,
             full_share=0.85,
             clamp=int(s.dfsph.clamp),
+            full=0.0 if len(scene.domain.periodic) == dim else FULL * lattice_laplacian(scene),
         ),
     }
     if s.ghosts is not None:
@@ -143,6 +146,13 @@ def params_of(scene, particles, real):
     if scene.elastic is not None:
         tuples["elastic"] = P.make(P.Elastic, real, modulus=scene.elastic.modulus, relaxation=scene.elastic.relaxation, dimension=dim)
     return tuples
+
+
+def lattice_laplacian(scene):
+    """Return the sum of V F over the rest lattice [1/m^2], F = -W'/r."""
+    smoothing, d = smoothing_of(scene, np.float64), scene.spacing
+    r = d * lattice_offsets(scene.solver.support, scene.domain.dimensions)
+    return scene.particle_volume * -sum(dW(q, smoothing) / q for q in r)
 
 
 def period_of(scene, real):
