@@ -100,8 +100,8 @@ def grid_of(scene, particles, real):
         if "xyz"[k] in scene.domain.periodic:
             lower[k] = scene.domain.lower[k]
             cells[k] = max(1, math.floor((scene.domain.upper[k] - lower[k]) / edge * (1 + 1e-6)))
-    if scene.domain.dimensions == 2:
-        cells[1] = 1
+    if scene.domain.dimensions == 2:  # the plane lies within its cells: ghosts stand in the plane, and look from the cell
+        cells[1], lower[1] = 1, -0.5 * edge
     return P.make(
         P.Grid,
         real,
