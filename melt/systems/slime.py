@@ -8,6 +8,7 @@ Solvers are in `melt.systems.incompressible`. Positions and velocities live at t
 
 import numpy as np
 
+from melt.errors import NotFinite
 from melt.fields_slime import APIC_CARRIED
 from melt.slime.motion import motion_of
 from melt.systems import incompressible as solve
@@ -49,11 +50,14 @@ def step(do, dt):
         emit(do, dt)  # S1
     n_sub, sub_dt = sub_steps(do, dt)
     do.clock.tally = {}
-    for _ in range(n_sub):
-        advance(do, sub_dt, do.settings.retries)
-    if do.need.heat:
-        heat(do, dt)
-    report(do, dt)
+    try:
+        for _ in range(n_sub):
+            advance(do, sub_dt, do.settings.retries)
+        if do.need.heat:
+            heat(do, dt)
+        report(do, dt)
+    except NotFinite:  # the caller names what and where
+        do.clock.max_speed = float("inf")
     do.clock.step += 1
 
 
@@ -73,6 +77,8 @@ def advance(do, dt, retries):
         advance(do, dt / 2, retries - 1)
         return
     if failed:
+        if s.on_fail != "warn" and all(f.finite for f in failed):
+            do.restore_motion()  # what is left is the state before this sub-step
         tell(do, dt, failed)
     if do.need.semi_lagrangian:
         do.restore_motion(velocity_kept="velocity")  # back to x^n, with v^(n+1)
@@ -86,6 +92,8 @@ def advance(do, dt, retries):
     do.advect(dt=dt)  # S11: x^n -> x^(n+1)
     if do.need.domain:
         do.leave_domain()
+        if do.need.apic:
+            do.leave_domain(position="apic_position", phase="apic_phase")
     do.clock.time += dt
     do.clock.previous_dt = dt
 
