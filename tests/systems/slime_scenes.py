@@ -63,19 +63,15 @@ def carriers(sim, *names):
     """Return fields of the APIC particles that are there, in order of their ids."""
     there = sim.state.read("apic_phase") == 0
     rank = np.argsort(sim.state.read("apic_id")[there])
-    return [sim.state.read(name)[..., there][..., rank] for name in names]
+    return [sim.state.read(name)[..., there][..., rank] for name in names]  # component first
 
 
-def momenta(sim):
-    """Return momentum (3,) and angular momentum about y of what carries them."""
-    if sim.prepared.need.apic:
-        m, x, v, c, C = carriers(sim, "apic_mass", "apic_position", "apic_velocity", "apic_centre", "apic_affine")
-        # C turns with the second moment of the particle's nodes: their momentum is summed instead
-        raise_if = C.shape
-        del raise_if, c
-    else:
-        m, x, v = liquid(sim, "mass"), liquid(sim, "position").T, liquid(sim, "velocity").T
-    return (m * v).sum(axis=1), float((m * (x[2] * v[0] - x[0] * v[2])).sum())
+def linear(sim):
+    """Return the linear fit of the liquid's velocity in the plane: gradient (2, 2), and how far it is off [m/s]."""
+    x, v = liquid(sim, "position")[:, [0, 2]], liquid(sim, "velocity")[:, [0, 2]]
+    A = np.column_stack([x, np.ones(len(x))])
+    fit = np.linalg.lstsq(A, v, rcond=None)[0]
+    return fit[:2].T, np.abs(v - A @ fit).max()
 
 
 def warned(sim, steps):
