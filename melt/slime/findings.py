@@ -53,8 +53,9 @@ def _viscous(scene, prepared):
     if prepared.precision != "double" and stiffness > STIFF_SINGLE:
         text = f"viscosity: with mu dt/(rho h^2) = {stiffness:.3g} the solve may stagnate in float32"
         found.append(("warning", text, "solver.precision = 'double', or a shorter time.dt"))
+    pulls = "lets go of liquid at once, and what is below pulls at the layer that enters; hold = 4 keeps its speed"
     found += [
-        ("note", f"inflow {n.name!r} lets go of the liquid at once: what is below pulls at the layer that enters; hold = 4 keeps its speed", "")
+        ("note", f"inflow {n.name!r} {pulls}", "")
         for n in scene.inflow
         if n.hold == 0
     ]
@@ -64,4 +65,4 @@ def _viscous(scene, prepared):
 def _solids(scene):
     if not scene.solid or scene.solver.dfsph.on_fail != "retry":
         return []
-    return [("note", "solids: a sub-step that does not converge is not tried again in two halves, the run stops (solver.dfsph.on_fail)", "")]
+    return [("note", "solids: a sub-step that does not converge is not tried again in two halves, the run stops (see on_fail)", "")]

@@ -17,6 +17,8 @@ from melt.systems.heat import heat, start_heat
 from melt.systems.incompressible import step_limits, sub_steps, tally, tell  # noqa: F401  (step_limits: asked of every page)
 from melt.systems.melting import emit, grown, search, sort
 
+RELAX_STEP = 1e-5  # [s] so short that nothing falls in it; displacements do not depend on it
+
 
 def start(do):
     """Derive thermal properties; nothing else is needed before the first step."""
@@ -24,8 +26,11 @@ def start(do):
         start_heat(do)
     if do.need.apic and not do.clock.apic:
         do.clock.apic = int((np.asarray(do.read("apic_phase")) == 0).sum())
-    if do.settings.relax and not do.recording and do.clock.step == 0:
-        relax(do)
+    if do.clock.step == 0 and not do.recording:
+        if do.settings.relax:
+            relax(do)
+        if do.need.apic:
+            centre(do)
 
 
 def relax(do):
@@ -45,17 +50,28 @@ def relax(do):
         else:
             do.liquid_volume()
         solve.operators(do)
-        solved = solve.density(do, 1e-3, "density_ratio")
+        solved = solve.density(do, RELAX_STEP, "density_ratio")
         do.keep_motion()
         if do.need.apic:
-            do.nodes_to_apic(dt=1e-3)
-            do.apic_move(dt=1e-3)
-        do.advect(dt=1e-3)
+            do.nodes_to_apic(dt=RELAX_STEP)
+            do.apic_move(dt=RELAX_STEP)
+        do.advect(dt=RELAX_STEP)
         if solved.largest == 0:
             break
     for name, of, values in kept:
         do.give(name, np.ascontiguousarray(values[:, np.argsort(np.argsort(do.read(of), kind="stable"), kind="stable")]))
     do.give("density_impulse", np.zeros_like(do.read("density_impulse")))
+
+
+def centre(do):
+    """Take the velocities of APIC particles, given where they are, to the weighted centroids of their nodes, where they count."""
+    C = np.asarray(do.read("apic_affine"), np.float64)
+    if not C.any():
+        return
+    gather(do)
+    C, v = (np.asarray(do.read(name), np.float64) for name in ("apic_affine", "apic_velocity"))
+    v += np.einsum("abn,bn->an", C.reshape(3, 3, -1), np.asarray(do.read("apic_centre"), np.float64))
+    do.give("apic_velocity", v)
 
 
 _VELOCITIES = (("velocity", "id"), ("apic_velocity", "apic_id"), ("apic_affine", "apic_id"))
