@@ -95,7 +95,7 @@ def not_finite(sim):
     )
     found = []
     names = [name for stage in sim.prepared.stages for name in STAGES[stage].writes]
-    for name in dict.fromkeys([*names, *CARRIED, *APIC_CARRIED]):
+    for name in dict.fromkeys([*APIC_CARRIED, *names, *CARRIED]):  # nodes have what they have from APIC particles
         field = FIELDS.get(name)
         if (
             name not in state
