@@ -36,6 +36,7 @@ SCALES = dict(
     dfsph_factor=1000 * VOLUME * SPACING**2 / VOLUME,
     impulse=1e4 * 1e-6,
     poisson=1e4 * SPACING,
+    poisson_sums=(1e3 * SPACING) ** 2,  # a residual is what larger terms leave, and the sums are of its squares
     viscosity=50.0,
     pair_shear=np.sqrt(50.0 * SPACING),
     viscous_block=1e-3 / (1000 * VOLUME),

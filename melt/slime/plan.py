@@ -13,7 +13,7 @@ from melt.slime.motion import Body
 LAWS = {"constant": P.VISCOSITY_CONSTANT, "arrhenius": P.VISCOSITY_ARRHENIUS, "exponential": P.VISCOSITY_EXPONENTIAL}
 AXES = "xyz"
 FULL = 0.9  # share of the lattice's neighbours below which a liquid without ghosts borders on air
-RELAX = 10  # passes that take the overlap out of a disordered start
+RELAX = 10  # passes at most that take the overlap out of a start
 MOST_GHOST_POINTS = 200_000_000
 #: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
 ONLY_IF = {
@@ -86,7 +86,7 @@ def settings_of(scene, initial, precision):
         capillary=2 * math.pi * scene.fluid.sigma / (scene.fluid.density * scene.spacing**3),
         elastic_speed=0.0 if scene.elastic is None else math.sqrt(scene.elastic.modulus / scene.fluid.density),
         design_speed=initial.top_speed,
-        relax=RELAX if scene.fluid.jitter > 0 else 0,
+        relax=RELAX if scene.fluid.jitter > 0 or scene.solver.apic is not None else 0,
     )
     if v is not None:
         wide = precision == "double"
