@@ -98,6 +98,8 @@ def fields(arrays, rng):
         pressure_acceleration=np.where(mobility > 0, rng.normal(size=(3, n)) * 20.0, 0.0),
         density_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         divergence_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
+        surface_normal=_normals(act, g),
+        surface_pressure=np.where(act & (rng.random(n) < 0.3), rng.normal(size=n) * 500.0, 0.0),
         pair_poisson=s_ij,
         poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
         poisson_diagonal=diagonal,
@@ -122,6 +124,13 @@ def fields(arrays, rng):
         velocity_kept=arrays["velocity"] + 0.1 * rng.normal(size=(3, n)),
         node_state=np.where(liquid & (rng.random(n) < 0.05), 1, 0),
     )
+
+
+def _normals(act, g):
+    """Return unit normals of particles near the surface (3, n)."""
+    G = g.sum(axis=2)
+    size = np.sqrt((G**2).sum(axis=0))
+    return np.where(act & (size * SUPPORT > 0.1), G / np.where(size > 0, size, 1.0), 0.0)
 
 
 def _blocks(act, w, mass, rng):

@@ -44,7 +44,7 @@ def poisson_pairs(
 @cpu_stage
 def poisson_start(
     velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index,
-    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
+    pair_gradient, pair_poisson, poisson_pressure, surface_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
 ):
     """See `melt.reference.poisson.poisson_start`."""
     real = type(dt)
@@ -71,7 +71,8 @@ def poisson_start(
             s = completed_ratio[i]
             lack = poisson.pull * min(real(0), s - real(1)) / dt
             b = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt) - shift
-            r = b - (total + poisson_ghost[i] * p_i)
+            p_s = surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
+            r = b - (total + poisson_ghost[i] * (p_i - p_s))
             d = r / poisson_diagonal[i]
             poisson_residual[i], poisson_direction[i] = r, d
             rz += wide(r) * wide(d)
@@ -85,8 +86,8 @@ def poisson_start(
 
 @cpu_stage
 def poisson_acceleration(
-    position, volume, mobility, poisson_diagonal, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-    poisson, fluid, period, pressure_acceleration,
+    position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count, neighbour_index,
+    pair_gradient, poisson, fluid, period, pressure_acceleration,
 ):
     """See `melt.reference.poisson.poisson_acceleration`."""
     real = volume.dtype.type
@@ -97,6 +98,7 @@ def poisson_acceleration(
         x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
         if mobility[i] > real(0):
             p = solver_pressure[i]
+            twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
             for k in range(np.uint64(neighbour_count[i])):
                 j = np.uint64(neighbour_index[i, k])
                 # what water at rest would add between here and there
@@ -105,7 +107,7 @@ def poisson_acceleration(
                     + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
                     + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
                 )
-                both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below)
+                both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below) - twice
                 x += both * pair_gradient[0, i, k]
                 y += both * pair_gradient[1, i, k]
                 z += both * pair_gradient[2, i, k]

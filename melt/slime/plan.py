@@ -18,6 +18,7 @@ ONLY_IF = {
     "apic": ("apic_phase", "apic_affine"),
     "ghosts": ("ghost_laplacian",),
     "augmented": ("dilation", "viscous_pressure"),
+    "tension": ("surface_pressure",),
     "shears": ("shear_rate",),
     "dfsph": ("density_impulse", "divergence_impulse"),
     "poisson": ("poisson_pressure",),
@@ -43,6 +44,8 @@ def needs_of(scene):
         periodic=bool(scene.domain.periodic),
         # nothing is open: pressure is known but for a constant
         closed=len(scene.domain.periodic) == scene.domain.dimensions,
+        tension=scene.fluid.sigma > 0,
+        node_shift=s.dfsph.node_shift > 0,
         central=scene.fluid.central > 0,
     )
 
@@ -75,6 +78,10 @@ def settings_of(scene, initial, precision):
         bodies=[Body.of(o, k) for k, o in enumerate(o for o in scene.obstacle if o.moves)],
         apic_per_node=1 if scene.solver.apic is None else scene.solver.apic.per_axis**scene.domain.dimensions,
         apic_capacity=initial["apic_id"].size if "apic_id" in initial else 0,
+        node_volume=scene.particle_volume,
+        sigma=scene.fluid.sigma,
+        node_shift=q.node_shift,
+        capillary=2 * math.pi * scene.fluid.sigma / (scene.fluid.density * scene.spacing**3),
         elastic_speed=0.0 if scene.elastic is None else math.sqrt(scene.elastic.modulus / scene.fluid.density),
         design_speed=initial.top_speed,
         relax=RELAX if scene.fluid.jitter > 0 else 0,

@@ -72,7 +72,10 @@ def _jacobi(do, dt, name, tolerance, least):
 
 
 def project(do, dt):
-    """Pressure Poisson equation, zero at the free surface, and what it does to velocities (S7)."""
+    """Pressure Poisson equation, zero (or surface tension's) at the free surface, and what it does to velocities (S7)."""
+    if do.need.tension:
+        do.surface_normal()
+        do.surface_pressure(sigma=do.settings.sigma)
     do.poisson_pairs(completed_ratio=_ratio(do))
     do.poisson_start(completed_ratio=_ratio(do), dt=dt, shift=0.0)
     if do.need.closed:  # a constant may be added to the pressure: the right-hand side has to vanish in sum
@@ -172,6 +175,8 @@ def step_limits(do):
     affine = getattr(clock, "largest_affine", 0.0)
     if affine > 0:
         limits["affine"] = 0.5 * s.courant / 0.4 / affine
+    if s.capillary > 0:
+        limits["capillary"] = 1 / math.sqrt(s.capillary)
     if s.elastic_speed > 0:
         limits["elastic"] = 0.3 * s.spacing / s.elastic_speed
     return limits

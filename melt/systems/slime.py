@@ -10,6 +10,7 @@ import numpy as np
 
 from melt.fields_slime import APIC_CARRIED
 from melt.slime.motion import motion_of
+from melt.slime.nodes import tend
 from melt.systems import incompressible as solve
 from melt.systems.heat import heat, start_heat
 from melt.systems.incompressible import step_limits, sub_steps, tally, tell  # noqa: F401  (step_limits: asked of every page)
@@ -131,6 +132,9 @@ def velocities(do, dt):
         do.liquid_volume()
     boundaries(do, dt)
     solve.operators(do)  # S5b
+    if need.node_shift:
+        do.node_shift(shift=do.settings.node_shift)
+        solve.operators(do)
     if need.apic:
         do.massless_velocity()
     if need.ghosts:
@@ -208,3 +212,4 @@ def report(do, dt):
         orphans, mass, _ = np.asarray(do.read("apic_sums"), np.float64).sum(axis=1)
         do.note("orphans", int(orphans))
         do.note("orphan_mass", float(mass))
+        tend(do)  # S13
