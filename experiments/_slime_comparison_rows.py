@@ -13,7 +13,7 @@ def method(name, f, step):
     note = f"{f['particles']} particles, dt {1e3 * f['dt']:.3g} ms"
     if step:
         text += f"; largest stable step {1e3 * step['largest']:g} ms"
-        note += f"; {step['why']}" if step["why"] else "; no longer step tried"
+        note += f"; {step['why']}" if step["why"] else "; the longest tried"
     if f["retries"]:
         note += f"; {f['retries']:.0f} steps halved"
     if f["failed"]:

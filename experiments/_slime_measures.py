@@ -26,7 +26,7 @@ class Landing:
     """Where and when layers of a thread come to rest: the lateral position of its axis at the plate, over time.
 
     Args:
-        per_layer: particles in a layer of the nozzle, which follow each other in the order of emission.
+        per_layer: particles in a layer of the nozzle.
         speed: of the nozzle [m/s]; a layer has landed when it falls at less than a third of it.
         outlet: height of the nozzle [m]; a layer is looked at below 0.9 of it.
     """
@@ -35,12 +35,14 @@ class Landing:
         self.per_layer, self.speed, self.outlet = per_layer, speed, outlet
         self.found = {}  # layer: (time, lateral position)
 
-    def look(self, time, x, v):
-        """Note the layers that have landed by now; x, v (n, 2) in order of emission."""
-        layers = len(x) // self.per_layer
-        x, v = (a[: layers * self.per_layer].reshape(layers, self.per_layer, 2).mean(axis=1) for a in (x, v))
-        for k in np.flatnonzero((v[:, 1] > -self.speed / 3) & (x[:, 1] < 0.9 * self.outlet)):
-            self.found.setdefault(int(k), (time, float(x[k, 0])))
+    def look(self, time, number, x, v):
+        """Note the layers that have landed by now; x, v (n, 2) of particles that entered as the ``number``-th ones."""
+        layer = number // self.per_layer
+        count = np.maximum(np.bincount(layer), 1e-9)
+        height, lateral, fall = (np.bincount(layer, a) / count for a in (x[:, 1], x[:, 0], v[:, 1]))
+        whole = count > 0.5 * self.per_layer
+        for k in np.flatnonzero(whole & (fall > -self.speed / 3) & (height < 0.9 * self.outlet)):
+            self.found.setdefault(int(k), (time, float(lateral[k])))
 
     def line(self):
         """Return (times, lateral positions) in order of landing."""
