@@ -53,6 +53,7 @@ def step(do, dt):
     for _ in range(n_sub):
         advance(do, sub_dt, do.settings.retries)
     if do.need.heat:
+        listed(do)  # the lists of the last sub-step name particles that have left since
         heat(do, dt)
     report(do, dt)
     do.clock.step += 1
