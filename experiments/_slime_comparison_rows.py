@@ -41,7 +41,8 @@ def bounds(drips, full, w, end, dt, fastest):
         f = drips[f"WCSPH, mu over {share}"]
         cheaper = f["dt"] / w["largest"]
         rows.append(
-            Row(f"WCSPH, mu over {share}: folds", "0: a puddle", f"{f['folds']} in {f['reached']:.2g} s", "0", bool(f["folds"] == 0 and not f["failed"]),
+            Row(f"WCSPH, mu over {share}: folds", "0: a puddle", f"{f['folds']} in {f['reached']:.2g} s", "0",
+                bool(f["folds"] == 0 and not f["failed"]),
                 f"{cheaper:.1f} times fewer steps (dt {f['dt']:.2g} s), {f['wall']:.0f} s wall per s; spread {1e3 * f['spread']:.0f} mm, "
                 f"height {1e3 * f['height']:.0f} mm; compression {f['mean']:.1e} mean, {f['most']:.1e} largest; {f['failed']}")
         )

@@ -40,7 +40,7 @@ TABLE = [
     ("poisson_residual", "particle", "real", "N/m", "poisson", "residual"),
     ("poisson_direction", "particle", "real", "Pa", "pressure", "search direction"),
     ("poisson_product", "particle", "real", "N/m", "poisson", "matrix times the search direction"),
-    ("poisson_sums", "5 reduction", "double", "1", "one", "partial sums of r.z, p.Ap, the next r.z, r.r and b.b"),
+    ("poisson_sums", "5 reduction", "double", "1", "poisson_sums", "partial sums of r.z, p.Ap, the next r.z, r.r and b.b"),
     # nodes: viscosity
     ("viscosity", "particle", "real", "Pa s", "viscosity", "dynamic viscosity mu"),
     ("shear_rate", "particle", "real", "1/s", "rate", "sqrt(2 D:D) of the velocity gradient"),

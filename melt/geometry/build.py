@@ -114,7 +114,7 @@ def _walls(scene, notes):
 
 def _slices(arrays, walls, moving):
     """Return the slice of particles of each moving body: they stand behind the walls."""
-    first, slices = int(np.argmax(arrays["phase"] == WALL)) + walls.shape[1], []
+    first, slices = int(np.isin(arrays["phase"], (LIQUID, SOLID)).sum()) + walls.shape[1], []
     for cells in moving:
         slices.append(slice(first, first + cells.shape[1]))
         first += cells.shape[1]
