@@ -32,6 +32,17 @@ def list_capacity(ratio):
     return 16 * math.ceil(1.4 * 4 / 3 * math.pi * ratio**3 / 16)
 
 
+def tight_capacity(ratio, dimensions=3):
+    """Return the slots of a list of an incompressible liquid to begin with: 1.15 times the particles at rest in a support.
+
+    Its density stays at rest density, and its solvers read gradients of a list some forty times a step: they wait for memory,
+    most of it slots that the processor fetches ahead in vain. Longest list of a developed dam break: 40 at ratio 2. Measured
+    there at 59,319 particles on one thread: 4.0, 3.3 and 2.7 ms for `pressure_acceleration` with 48, 40 and 32 slots.
+    """
+    room = math.pi * ratio**2 if dimensions == 2 else 4 / 3 * math.pi * ratio**3
+    return 8 * math.ceil(1.15 * room / 8)
+
+
 def surface_share(ratio):
     """Return k_A of A = k_A dx^2 (1 - N/N_full) that gives a particle of a flat face the area dx^2 (8/3 at 2.5)."""
     reach = math.ceil(ratio)
