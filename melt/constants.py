@@ -32,6 +32,17 @@ def list_capacity(ratio):
     return 16 * math.ceil(1.4 * 4 / 3 * math.pi * ratio**3 / 16)
 
 
+def tight_capacity(ratio, dimensions=3):
+    """Return the slots of a list of an incompressible liquid to begin with: 1.15 times the particles at rest in a support.
+
+    Its density stays at rest density, and its solvers read gradients of a list some forty times a step: they wait for memory,
+    most of it slots that the processor fetches ahead in vain. Longest list of a developed dam break: 40 at ratio 2. Measured
+    there at 59,319 particles on one thread: 4.0, 3.3 and 2.7 ms for `pressure_acceleration` with 48, 40 and 32 slots.
+    """
+    room = math.pi * ratio**2 if dimensions == 2 else 4 / 3 * math.pi * ratio**3
+    return 8 * math.ceil(1.15 * room / 8)
+
+
 def surface_share(ratio):
     """Return k_A of A = k_A dx^2 (1 - N/N_full) that gives a particle of a flat face the area dx^2 (8/3 at 2.5)."""
     reach = math.ceil(ratio)
@@ -100,8 +111,8 @@ def grid_of(scene, particles, real):
         if "xyz"[k] in scene.domain.periodic:
             lower[k] = scene.domain.lower[k]
             cells[k] = max(1, math.floor((scene.domain.upper[k] - lower[k]) / edge * (1 + 1e-6)))
-    if scene.domain.dimensions == 2:  # the plane lies within its cells: ghosts stand in the plane, and look from the cell
-        cells[1], lower[1] = 1, -0.5 * edge
+    if scene.domain.dimensions == 2:  # one cell about the plane: what asks how far a cell is from a particle must find it inside
+        lower[1], cells[1] = -edge / 2, 1
     return P.make(
         P.Grid,
         real,

@@ -13,7 +13,7 @@ import numpy as np
 from melt import boiling as boil
 from melt import diagnostics
 from melt.bind import Recorder
-from melt.constants import list_capacity, params_of, sound_speed_of
+from melt.constants import list_capacity, params_of, sound_speed_of, tight_capacity
 from melt.fields import CARRIED, FIELDS
 from melt.fields_slime import APIC_CARRIED
 from melt.flood import ledger as flood_ledger
@@ -162,9 +162,11 @@ def sizes_of(scene, initial, params, precision):
     n = initial["id"].size
     grid = params["grid"]
     cells = int(grid.nx) * int(grid.ny) * int(grid.nz) + 2
+    support = scene.solver.support
+    capacity = tight_capacity(support, scene.domain.dimensions) if scene.incompressible else list_capacity(support)
     return {
         "particle": n,
-        "neighbour": scene.solver.max_neighbours or list_capacity(scene.solver.support),
+        "neighbour": scene.solver.max_neighbours or capacity,
         "cell": cells,
         "node": n,
         "chunk": math.ceil(max(n, cells, initial["apic_id"].size if "apic_id" in initial else 0) / 256) + 1,

@@ -16,7 +16,7 @@ PERIOD = dict(
     length_x=0.0, length_y=0.0, length_z=0.0, inverse_x=0.0, inverse_y=0.0, inverse_z=0.0, lower_x=0.0, lower_y=0.0, lower_z=0.0
 )
 DFSPH = dict(omega=0.5, warm=0.5, warm_limit=10.0, fewest=20, least=1e-6 / SUPPORT**2)
-POISSON = dict(rest_density=1000.0, floor=1e-4 * SUPPORT**2, pull=0.02, full_share=0.85, clamp=0)
+POISSON = dict(rest_density=1000.0, floor=1e-4 * SUPPORT**2, pull=0.02, full_share=0.85, clamp=0, full=60.0)
 VISCOUS = dict(
     law=1, mu=50.0, slope=3000.0, reference_temperature=20.0, power=0.7, yield_stress=5.0, yield_rate=10.0, smallest=1.0,
     largest=400.0, wall=0.8, strength=10.0, floor=1e-4 * SUPPORT**2, gamma=10.0,
@@ -100,15 +100,7 @@ def fields(arrays, rng):
         divergence_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         surface_normal=_normals(act, g),
         surface_pressure=np.where(act & (rng.random(n) < 0.3), rng.normal(size=n) * 500.0, 0.0),
-        pair_poisson=s_ij,
-        poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
-        poisson_diagonal=diagonal,
-        poisson_pressure=np.where(act, rng.normal(size=n) * 3e3, 0.0),
-        poisson_residual=np.where(act, rng.normal(size=n), 0.0),
-        poisson_direction=np.where(act, rng.normal(size=n) * 1e3, 0.0),
-        poisson_product=np.where(act, rng.normal(size=n), 0.0),
-        poisson_sums=rng.uniform(0.5, 1.5, (5, 64)),
-        ghost_laplacian=ghost,
+        **_poisson(act, s_ij, diagonal, Vc, ghost, rng),
         viscosity=mu,
         shear_rate=np.where(liquid, rng.uniform(0, 30, n), 0.0),
         pair_shear=w,
@@ -123,6 +115,22 @@ def fields(arrays, rng):
         position_kept=arrays["position"] + 0.01 * SPACING * rng.normal(size=(3, n)),
         velocity_kept=arrays["velocity"] + 0.1 * rng.normal(size=(3, n)),
         node_state=np.where(liquid & (rng.random(n) < 0.05), 1, 0),
+    )
+
+
+def _poisson(act, s_ij, diagonal, Vc, ghost, rng):
+    """Return the fields of the pressure Poisson equation."""
+    n = len(act)
+    return dict(
+        pair_poisson=s_ij,
+        poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
+        poisson_diagonal=diagonal,
+        poisson_pressure=np.where(act, rng.normal(size=n) * 3e3, 0.0),
+        poisson_residual=np.where(act, rng.normal(size=n), 0.0),
+        poisson_direction=np.where(act, rng.normal(size=n) * 1e3, 0.0),
+        poisson_product=np.where(act, rng.normal(size=n), 0.0),
+        poisson_sums=rng.uniform(0.5, 1.5, (5, 64)),
+        ghost_laplacian=ghost,
     )
 
 

@@ -12,19 +12,22 @@ def divergence_source(
     """See `melt.reference.dfsph_source.divergence_source`."""
     real = type(dt)
     capacity = neighbour_index.shape[1]
-    for i in prange(dfsph_factor.shape[0]):
-        source = real(0)
-        if dfsph_factor[i] > real(0):
-            u, v, w, change = velocity[0, i], velocity[1, i], velocity[2, i], real(0)
-            for k in range(np.uint64(min(neighbour_count[i], capacity))):
-                j = np.uint64(neighbour_index[i, k])
-                change += (
-                    pair_gradient[0, i, k] * (u - velocity[0, j])
-                    + pair_gradient[1, i, k] * (v - velocity[1, j])
-                    + pair_gradient[2, i, k] * (w - velocity[2, j])
-                )
-            source = dt * change if neighbour_count[i] >= dfsph.fewest else real(-1e6)
-        compression_source[i] = source
+    n = dfsph_factor.shape[0]
+    for chunk in prange(64):
+        piece = (chunk * 37) % 64  # dealt out: walls have no pairs
+        for i in range(piece * n // 64, (piece + 1) * n // 64):
+            source = real(0)
+            if dfsph_factor[i] > real(0):
+                u, v, w, change = velocity[0, i], velocity[1, i], velocity[2, i], real(0)
+                for k in range(np.uint64(min(neighbour_count[i], capacity))):
+                    j = np.uint64(neighbour_index[i, k])
+                    change += (
+                        pair_gradient[0, i, k] * (u - velocity[0, j])
+                        + pair_gradient[1, i, k] * (v - velocity[1, j])
+                        + pair_gradient[2, i, k] * (w - velocity[2, j])
+                    )
+                source = dt * change if neighbour_count[i] >= dfsph.fewest else real(-1e6)
+            compression_source[i] = source
 
 
 @cpu_stage
@@ -34,19 +37,22 @@ def density_source(
     """See `melt.reference.dfsph_source.density_source`."""
     real = type(dt)
     capacity = neighbour_index.shape[1]
-    for i in prange(dfsph_factor.shape[0]):
-        source = real(0)
-        if dfsph_factor[i] > real(0):
-            u, v, w, change = velocity[0, i], velocity[1, i], velocity[2, i], real(0)
-            for k in range(np.uint64(min(neighbour_count[i], capacity))):
-                j = np.uint64(neighbour_index[i, k])
-                change += (
-                    pair_gradient[0, i, k] * (u - velocity[0, j])
-                    + pair_gradient[1, i, k] * (v - velocity[1, j])
-                    + pair_gradient[2, i, k] * (w - velocity[2, j])
-                )
-            source = (completed_ratio[i] - real(1)) + dt * change
-        compression_source[i] = source
+    n = dfsph_factor.shape[0]
+    for chunk in prange(64):
+        piece = (chunk * 37) % 64  # dealt out: walls have no pairs
+        for i in range(piece * n // 64, (piece + 1) * n // 64):
+            source = real(0)
+            if dfsph_factor[i] > real(0):
+                u, v, w, change = velocity[0, i], velocity[1, i], velocity[2, i], real(0)
+                for k in range(np.uint64(min(neighbour_count[i], capacity))):
+                    j = np.uint64(neighbour_index[i, k])
+                    change += (
+                        pair_gradient[0, i, k] * (u - velocity[0, j])
+                        + pair_gradient[1, i, k] * (v - velocity[1, j])
+                        + pair_gradient[2, i, k] * (w - velocity[2, j])
+                    )
+                source = (completed_ratio[i] - real(1)) + dt * change
+            compression_source[i] = source
 
 
 @cpu_stage

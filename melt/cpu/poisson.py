@@ -15,30 +15,35 @@ def poisson_pairs(
     """See `melt.reference.poisson.poisson_pairs`."""
     real = type(smoothing.support)
     ghosts = ghost_laplacian.shape[0] > 0
-    for i in prange(volume.shape[0]):
-        count = np.uint64(neighbour_count[i])
-        if not dfsph_factor[i] > real(0):
+    n = volume.shape[0]
+    for chunk in prange(64):
+        piece = (chunk * 37) % 64  # dealt out: walls have no pairs
+        for i in range(piece * n // 64, (piece + 1) * n // 64):
+            count = np.uint64(neighbour_count[i])
+            if not dfsph_factor[i] > real(0):
+                for k in range(count):
+                    pair_poisson[i, k] = real(0)
+                poisson_ghost[i] = real(0)
+                poisson_diagonal[i] = real(0)
+                continue
+            x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+            V_i = present_volume(volume[i], completed_ratio[i])
+            total = around = real(0)
             for k in range(count):
-                pair_poisson[i, k] = real(0)
-            poisson_ghost[i] = real(0)
-            poisson_diagonal[i] = real(0)
-            continue
-        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
-        V_i = present_volume(volume[i], completed_ratio[i])
-        total = real(0)
-        for k in range(count):
-            j = np.uint64(neighbour_index[i, k])
-            x = real(wrap(x_i - position[0, j], period.length_x, period.inverse_x))
-            y = real(wrap(y_i - position[1, j], period.length_y, period.inverse_y))
-            z = real(wrap(z_i - position[2, j], period.length_z, period.inverse_z))
-            V_j = present_volume(volume[j], completed_ratio[j])
-            s = poisson_entry(V_i, V_j, x * x + y * y + z * z, smoothing, poisson)
-            s = s if dfsph_factor[j] > real(0) else real(0)
-            pair_poisson[i, k] = s
-            total += s
-        ghost = real(4) * V_i * ghost_laplacian[i] if ghosts else real(0)
-        poisson_ghost[i] = ghost
-        poisson_diagonal[i] = total + ghost
+                j = np.uint64(neighbour_index[i, k])
+                x = real(wrap(x_i - position[0, j], period.length_x, period.inverse_x))
+                y = real(wrap(y_i - position[1, j], period.length_y, period.inverse_y))
+                z = real(wrap(z_i - position[2, j], period.length_z, period.inverse_z))
+                V_j = present_volume(volume[j], completed_ratio[j])
+                s = poisson_entry(V_i, V_j, x * x + y * y + z * z, smoothing, poisson)
+                around += s
+                s = s if dfsph_factor[j] > real(0) else real(0)
+                pair_poisson[i, k] = s
+                total += s
+            lack = max(poisson.full - around / (real(2) * V_i), real(0))
+            ghost = real(4) * V_i * (ghost_laplacian[i] if ghosts else lack)
+            poisson_ghost[i] = ghost
+            poisson_diagonal[i] = total + ghost
 
 
 @cpu_stage
@@ -50,7 +55,8 @@ def poisson_start(
     real = type(dt)
     wide = np.float64
     n = volume.shape[0]
-    for share in prange(64):
+    for chunk in prange(64):
+        share = (chunk * 37) % 64  # dealt out: walls have no pairs
         rz = rr = bb = left = number = wide(0)
         for i in range(share * n // 64, (share + 1) * n // 64):
             if not poisson_diagonal[i] > real(0):
@@ -93,28 +99,30 @@ def poisson_acceleration(
     real = volume.dtype.type
     rho = poisson.rest_density
     gx, gy, gz = rho * fluid.gravity_x, rho * fluid.gravity_y, rho * fluid.gravity_z
-    for i in prange(volume.shape[0]):
-        x = y = z = real(0)
-        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
-        if mobility[i] > real(0):
-            p = solver_pressure[i]
-            twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
-            for k in range(np.uint64(neighbour_count[i])):
-                j = np.uint64(neighbour_index[i, k])
-                # what water at rest would add between here and there
-                below = (
-                    gx * real(wrap(position[0, j] - x_i, period.length_x, period.inverse_x))
-                    + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
-                    + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
-                )
-                both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below) - twice
-                x += both * pair_gradient[0, i, k]
-                y += both * pair_gradient[1, i, k]
-                z += both * pair_gradient[2, i, k]
-        c = -mobility[i] * volume[i]
-        pressure_acceleration[0, i] = c * x
-        pressure_acceleration[1, i] = c * y
-        pressure_acceleration[2, i] = c * z
+    n = volume.shape[0]
+    for chunk in prange(64):
+        piece = (chunk * 37) % 64  # dealt out: walls have no pairs
+        for i in range(piece * n // 64, (piece + 1) * n // 64):
+            x = y = z = real(0)
+            x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
+            if mobility[i] > real(0):
+                p = solver_pressure[i]
+                for k in range(np.uint64(neighbour_count[i])):
+                    j = np.uint64(neighbour_index[i, k])
+                    # what water at rest would add between here and there
+                    below = (
+                        gx * real(wrap(position[0, j] - x_i, period.length_x, period.inverse_x))
+                        + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
+                        + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
+                    )
+                    both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below)
+                    x += both * pair_gradient[0, i, k]
+                    y += both * pair_gradient[1, i, k]
+                    z += both * pair_gradient[2, i, k]
+            c = -mobility[i] * volume[i]
+            pressure_acceleration[0, i] = c * x
+            pressure_acceleration[1, i] = c * y
+            pressure_acceleration[2, i] = c * z
 
 
 @cpu_stage

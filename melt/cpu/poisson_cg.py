@@ -13,7 +13,8 @@ def poisson_apply(
     real = poisson_direction.dtype.type
     wide = np.float64
     n = poisson_direction.shape[0]
-    for share in prange(64):
+    for chunk in prange(64):
+        share = (chunk * 37) % 64  # dealt out: walls have no pairs
         total = wide(0)
         for i in range(share * n // 64, (share + 1) * n // 64):
             d, product = poisson_direction[i], real(0)

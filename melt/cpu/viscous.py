@@ -3,10 +3,8 @@
 import numpy as np
 
 from melt._compile import cpu_stage, prange
-from melt.cpu._viscous import adjoint_row, shear_row
-from melt.physics.period import wrap
-from melt.physics.smoothing import dW_over_r
-from melt.physics.viscous import block_times, inverse_block, shear_factor
+from melt.cpu._viscous import adjoint_row, fill_shear, outer_dilation, outer_shear, shear_row
+from melt.physics.viscous import block_times, inverse_block
 
 
 @cpu_stage
@@ -17,52 +15,31 @@ def pair_shear(
     """See `melt.reference.viscous.pair_shear`. The block is summed in float64: it may be nearly of rank one."""
     real = type(smoothing.support)
     wide = np.float64
-    for i in prange(mobility.shape[0]):
-        mu_i, V_i = viscosity[i], volume[i]
-        free = (mobility[i] > real(0)) & (mu_i > real(0))
-        count = np.uint64(neighbour_count[i])
-        if not free:
-            for a in range(np.uint64(6)):
-                viscous_block[a, i] = real(0)
-            for a in range(np.uint64(3)):
-                for k in range(count):
-                    pair_shear[a, i, k] = real(0)
-            continue
-        x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
-        xx = yy = zz = wide(1) / (wide(mobility[i]) * wide(dt))
-        xy = xz = yz = gx = gy = gz = wide(0)
-        for k in range(count):
-            j = np.uint64(neighbour_index[i, k])
-            x = real(wrap(x_i - position[0, j], period.length_x, period.inverse_x))
-            y = real(wrap(y_i - position[1, j], period.length_y, period.inverse_y))
-            z = real(wrap(z_i - position[2, j], period.length_z, period.inverse_z))
-            r2 = x * x + y * y + z * z
-            mu_j, V_j = viscosity[j], volume[j]
-            c = shear_factor(mu_i, mu_j, V_i, V_j, r2, smoothing, viscous)
-            pair_shear[0, i, k] = c * x
-            pair_shear[1, i, k] = c * y
-            pair_shear[2, i, k] = c * z
-            f = dW_over_r(r2, smoothing)
-            g = V_j * f
-            # y_j of the augmented Lagrangian moves with v_i only if j is free
-            other = viscous.gamma * mu_j * (V_i * V_i) * g * f if mobility[j] > real(0) else real(0)
-            s, X, Y, Z = wide(c * c + other), wide(x), wide(y), wide(z)
-            gx += wide(g) * X
-            gy += wide(g) * Y
-            gz += wide(g) * Z
-            xx += s * X * X
-            yy += s * Y * Y
-            zz += s * Z * Z
-            xy += s * X * Y
-            xz += s * X * Z
-            yz += s * Y * Z
-        own = wide(V_i * viscous.gamma * mu_i)
-        block = inverse_block(
-            xx + own * gx * gx, yy + own * gy * gy, zz + own * gz * gz,
-            xy + own * gx * gy, xz + own * gx * gz, yz + own * gy * gz,
-        )
-        viscous_block[0, i], viscous_block[1, i], viscous_block[2, i] = real(block[0]), real(block[1]), real(block[2])
-        viscous_block[3, i], viscous_block[4, i], viscous_block[5, i] = real(block[3]), real(block[4]), real(block[5])
+    n = mobility.shape[0]
+    for chunk in prange(64):
+        piece = (chunk * 37) % 64  # dealt out: walls have no pairs
+        for i in range(piece * n // 64, (piece + 1) * n // 64):
+            mu_i = viscosity[i]
+            if not ((mobility[i] > real(0)) & (mu_i > real(0))):
+                for a in range(np.uint64(6)):
+                    viscous_block[a, i] = real(0)
+                for a in range(np.uint64(3)):
+                    for k in range(np.uint64(neighbour_count[i])):
+                        pair_shear[a, i, k] = real(0)
+                continue
+            fill_shear(i, position, volume, viscosity, neighbour_count, neighbour_index, smoothing, viscous, period, pair_shear)
+            xx, yy, zz, xy, xz, yz = outer_shear(i, neighbour_count, pair_shear)
+            if viscous.gamma > real(0):
+                a, b, c, d, e, f, gx, gy, gz = outer_dilation(
+                    i, position, volume, mobility, viscosity, neighbour_count, neighbour_index, smoothing, viscous, period
+                )
+                own = wide(volume[i] * viscous.gamma * mu_i)
+                xx, yy, zz = xx + (a + own * gx * gx), yy + (b + own * gy * gy), zz + (c + own * gz * gz)
+                xy, xz, yz = xy + (d + own * gx * gy), xz + (e + own * gx * gz), yz + (f + own * gy * gz)
+            inertia = wide(1) / (wide(mobility[i]) * wide(dt))
+            block = inverse_block(inertia + xx, inertia + yy, inertia + zz, xy, xz, yz)
+            viscous_block[0, i], viscous_block[1, i], viscous_block[2, i] = real(block[0]), real(block[1]), real(block[2])
+            viscous_block[3, i], viscous_block[4, i], viscous_block[5, i] = real(block[3]), real(block[4]), real(block[5])
 
 
 @cpu_stage
@@ -71,20 +48,23 @@ def dilation(
 ):
     """See `melt.reference.viscous.dilation`."""
     real = type(viscous.gamma)
-    for i in prange(viscosity.shape[0]):
-        if not viscous_block[0, i] > real(0):
-            dilation[i] = real(0)
-            continue
-        u_i, v_i, w_i = velocity[0, i], velocity[1, i], velocity[2, i]
-        total = real(0)
-        for k in range(np.uint64(neighbour_count[i])):
-            j = np.uint64(neighbour_index[i, k])
-            total += (
-                pair_gradient[0, i, k] * (velocity[0, j] - u_i)
-                + pair_gradient[1, i, k] * (velocity[1, j] - v_i)
-                + pair_gradient[2, i, k] * (velocity[2, j] - w_i)
-            )
-        dilation[i] = viscous.gamma * viscosity[i] * total
+    n = viscosity.shape[0]
+    for chunk in prange(64):
+        piece = (chunk * 37) % 64  # dealt out: walls have no pairs
+        for i in range(piece * n // 64, (piece + 1) * n // 64):
+            if not viscous_block[0, i] > real(0):
+                dilation[i] = real(0)
+                continue
+            u_i, v_i, w_i = velocity[0, i], velocity[1, i], velocity[2, i]
+            total = real(0)
+            for k in range(np.uint64(neighbour_count[i])):
+                j = np.uint64(neighbour_index[i, k])
+                total += (
+                    pair_gradient[0, i, k] * (velocity[0, j] - u_i)
+                    + pair_gradient[1, i, k] * (velocity[1, j] - v_i)
+                    + pair_gradient[2, i, k] * (velocity[2, j] - w_i)
+                )
+            dilation[i] = viscous.gamma * viscosity[i] * total
 
 
 @cpu_stage
@@ -97,7 +77,8 @@ def viscous_start(
     wide = np.float64
     n = mass.shape[0]
     augmented = dilation.shape[0] > 0
-    for share in prange(64):
+    for chunk in prange(64):
+        share = (chunk * 37) % 64  # dealt out: walls have no pairs
         rz = rr = bb = wide(0)
         for i in range(share * n // 64, (share + 1) * n // 64):
             if not viscous_block[0, i] > real(0):

@@ -17,7 +17,8 @@ def viscous_apply(
     wide = np.float64
     n = mass.shape[0]
     augmented = dilation.shape[0] > 0
-    for share in prange(64):
+    for chunk in prange(64):
+        share = (chunk * 37) % 64  # dealt out: walls have no pairs
         total = wide(0)
         for i in range(share * n // 64, (share + 1) * n // 64):
             if not viscous_block[0, i] > real(0):

@@ -23,7 +23,7 @@ def _poisson_pairs(
         return
     x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
     V_i = present_volume(volume[i], completed_ratio[i])
-    total = real(0)
+    total = around = real(0)
     for k in range(neighbour_count[i]):
         j = neighbour_index[i, k]
         x = real(wrap(x_i - position[0, j], period.length_x, period.inverse_x))
@@ -31,10 +31,12 @@ def _poisson_pairs(
         z = real(wrap(z_i - position[2, j], period.length_z, period.inverse_z))
         V_j = present_volume(volume[j], completed_ratio[j])
         s = poisson_entry(V_i, V_j, x * x + y * y + z * z, smoothing, poisson)
+        around += s
         s = s if dfsph_factor[j] > real(0) else real(0)
         pair_poisson[i, k] = s
         total += s
-    ghost = real(4) * V_i * ghost_laplacian[i] if ghost_laplacian.shape[0] > 0 else real(0)
+    lack = max(poisson.full - around / (real(2) * V_i), real(0))
+    ghost = real(4) * V_i * (ghost_laplacian[i] if ghost_laplacian.shape[0] > 0 else lack)
     poisson_ghost[i] = ghost
     poisson_diagonal[i] = total + ghost
 

@@ -24,6 +24,8 @@ def poisson_pairs(
 ):
     """Write the entries s_ij, 0 unless both particles have a pressure, the ghosts' share and the diagonal.
 
+    Without ghosts what the neighbours' sum of V F lacks to ``poisson.full`` counts as air at the mirrored pressure.
+
     Reads: position (3, n) [m], volume (n,) [m^3], completed_ratio (n,), ghost_laplacian (n,) [1/m^2] or of
         length 0 (no ghosts), dfsph_factor (n,) (0: no pressure), the lists.
     Writes: pair_poisson (n, m) [m] within the list's count, poisson_ghost (n,) [m] = 4 V lambda,
@@ -35,8 +37,10 @@ def poisson_pairs(
         x_ij = nearest(x[:, i, None] - x[:, near], period)
         r2 = (x_ij**2).sum(axis=0)
         F_r2 = -(gradW(x_ij, np.sqrt(r2), smoothing) * x_ij).sum(axis=0)
-        s = np.where(act[i] & act[near], 2 * V[i] * V[near] * F_r2 / (r2 + float(poisson.floor)), 0.0)
-        ghost = 4 * V[i] * float(ghost_laplacian[i]) if act[i] and len(ghost_laplacian) else 0.0
+        s = 2 * V[i] * V[near] * F_r2 / (r2 + float(poisson.floor))
+        lack = max(float(poisson.full) - s.sum() / (2 * V[i]), 0.0) if act[i] else 0.0
+        s = np.where(act[i] & act[near], s, 0.0)
+        ghost = 4 * V[i] * (float(ghost_laplacian[i]) if len(ghost_laplacian) else lack) if act[i] else 0.0
         pair_poisson[i, : len(near)] = s
         poisson_ghost[i] = ghost
         poisson_diagonal[i] = s.sum() + ghost

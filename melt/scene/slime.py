@@ -20,6 +20,11 @@ from melt.scene.quantities import (
 INCOMPRESSIBLE = ("dfsph", "isph", "hybrid")
 
 
+def switched(value):
+    """Return what an optional section is given as: true is the section with its defaults, false none."""
+    return {} if value is True else None if value is False else value
+
+
 class Incompressible(Section):
     """Numbers of the incompressible solvers (solver.pressure = dfsph, isph or hybrid)."""
 

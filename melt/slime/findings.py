@@ -36,10 +36,10 @@ def _transfers(scene):
 
 
 def _surface(scene, prepared):
-    """Without ghosts the Poisson equation has no surface at which the pressure is zero."""
+    """Without ghosts the Poisson equation finds the surface by what the kernel lacks."""
     if not prepared.need.poisson or prepared.need.ghosts or prepared.need.closed:
         return []
-    text = f"solver.pressure = {scene.solver.pressure} without [solver.ghosts] knows no free surface: pressure is wrong by a constant there"
+    text = f"solver.pressure = {scene.solver.pressure} without [solver.ghosts] takes what neighbours lack for air: the surface's pressure is less smooth"
     return [("warning", text, "add [solver.ghosts], or solver.pressure = dfsph")]
 
 

@@ -83,7 +83,7 @@ def project(do, dt):
         do.surface_pressure(sigma=do.settings.sigma)
     do.poisson_pairs(completed_ratio=_ratio(do))
     do.poisson_start(completed_ratio=_ratio(do), dt=dt, shift=0.0)
-    if do.need.closed or not do.need.ghosts:  # a constant may be added to the pressure: the right-hand side has to vanish in sum
+    if do.need.closed:  # a constant may be added to the pressure: the right-hand side has to vanish in sum
         sums = np.asarray(do.read("poisson_sums"), np.float64).sum(axis=1)
         do.poisson_start(completed_ratio=_ratio(do), dt=dt, shift=float(sums[1] / max(sums[2], 1)))
     solved = _conjugate(do, "poisson", do.settings.poisson_tolerance, do.settings.poisson_iterations, lambda: do.poisson_apply())

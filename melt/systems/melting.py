@@ -113,7 +113,8 @@ def grown(do, extent, count):
     longest = int(do.read(count).max(initial=0))
     if longest <= do.size(extent):
         return False
-    do.resize(extent, 16 * (longest // 16 + 1))  # rows of whole cache lines
+    row = 8 if do.need.incompressible else 16  # rows of whole cache lines, or as short as they can be
+    do.resize(extent, row * (longest // row + 1))
     return True
 
 

@@ -91,6 +91,7 @@ def step(do, dt):
         for _ in range(n_sub):
             advance(do, sub_dt, do.settings.retries)
         if do.need.heat:
+            listed(do)  # the lists of the last sub-step name particles that have left since
             heat(do, dt)
         report(do, dt)
     except NotFinite:  # the caller names what and where
