@@ -107,6 +107,7 @@ def poisson_acceleration(
             x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
             if mobility[i] > real(0):
                 p = solver_pressure[i]
+                twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
                 for k in range(np.uint64(neighbour_count[i])):
                     j = np.uint64(neighbour_index[i, k])
                     # what water at rest would add between here and there
@@ -115,7 +116,7 @@ def poisson_acceleration(
                         + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
                         + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
                     )
-                    both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below)
+                    both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below) - twice
                     x += both * pair_gradient[0, i, k]
                     y += both * pair_gradient[1, i, k]
                     z += both * pair_gradient[2, i, k]
