@@ -34,6 +34,7 @@ def surface_pressure(
     real = type(smoothing.support)
     n, capacity = surface_pressure.shape[0], neighbour_index.shape[1]
     per_dimension = real(1) / real(smoothing.dimension)
+    sharpest = real(2) * real(smoothing.dimension - 1) / smoothing.support
     for share in prange(64):
         for i in range(share * n // 64, (share + 1) * n // 64):
             a, b, c = surface_normal[0, i], surface_normal[1, i], surface_normal[2, i]
@@ -51,7 +52,8 @@ def surface_pressure(
                     turn += valid * ((a - u) * gx + (b - v) * gy + (c - w) * gz)
                     filled -= valid * (x * gx + y * gy + z * gz)
             filled *= per_dimension
-            surface_pressure[i] = sigma * turn / filled if filled > real(0.1) else real(0)
+            curvature = turn / filled if filled > real(0.1) else real(0)
+            surface_pressure[i] = sigma * max(-sharpest, min(curvature, sharpest))
 
 
 @cpu_stage

@@ -53,7 +53,9 @@ def _surface_pressure(
                 turn += (a - u) * gx + (b - v) * gy + (c - w) * gz
                 filled -= x * gx + y * gy + z * gz
     filled *= real(1) / real(smoothing.dimension)
-    surface_pressure[i] = sigma * turn / filled if filled > real(0.1) else real(0)
+    curvature = turn / filled if filled > real(0.1) else real(0)
+    sharpest = real(2) * real(smoothing.dimension - 1) / smoothing.support
+    surface_pressure[i] = sigma * max(-sharpest, min(curvature, sharpest))
 
 
 def surface_pressure(

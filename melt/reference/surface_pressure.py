@@ -32,6 +32,9 @@ def surface_pressure(
 ):
     """Write p_s = sigma kappa of particles with a normal, 0 elsewhere.
 
+    Curvature is cut at that of a drop of half a support radius, the smallest that the kernel can tell: without the cut a
+    drop of 490 particles burst within two periods.
+
     Reads: position (3, n) [m], surface_normal (3, n), the lists, pair_gradient (3, n, m) [1/m], sigma [N/m].
     Writes: surface_pressure (n,) [Pa].
     """
@@ -44,7 +47,8 @@ def surface_pressure(
         g = pair_gradient[:, i, : len(near)].astype(float)[:, valid]
         share = -(nearest(x[:, i, None] - x[:, near[valid]], period) * g).sum() / int(smoothing.dimension)
         turn = ((n[:, i, None] - n[:, near[valid]]) * g).sum()
-        surface_pressure[i] = float(sigma) * turn / share if share > SHARE else 0.0
+        sharpest = 2 * (int(smoothing.dimension) - 1) / float(smoothing.support)
+        surface_pressure[i] = float(sigma) * np.clip(turn / share if share > SHARE else 0.0, -sharpest, sharpest)
 
 
 SHARE = 0.1  # of the kernel: with fewer neighbours there is no curvature

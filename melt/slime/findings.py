@@ -39,7 +39,7 @@ def _surface(scene, prepared):
     """Without ghosts the Poisson equation finds the surface by what the kernel lacks."""
     if not prepared.need.poisson or prepared.need.ghosts or prepared.need.closed:
         return []
-    text = f"solver.pressure = {scene.solver.pressure} without [solver.ghosts] takes what neighbours lack for air: the surface's pressure is less smooth"
+    text = f"solver.pressure = {scene.solver.pressure} without [solver.ghosts] takes what neighbours lack for air"
     return [("warning", text, "add [solver.ghosts], or solver.pressure = dfsph")]
 
 
