@@ -185,6 +185,8 @@ def tell(do, dt, failed):
         NotFinite: a residual is not a number.
         MeltError: which solve, after how many iterations, and what may help.
     """
+    if not failed:
+        return
     if not all(f.finite for f in failed):
         raise NotFinite
     words = "; ".join(f"{f.name} solve after {f.iterations} iterations: {f.residual:.3g}" for f in failed)
