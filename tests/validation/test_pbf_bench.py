@@ -51,7 +51,7 @@ def test_costs_per_iteration_and_ratios(tmp_path):
 
 
 def test_both_simulate_the_same_column():
-    scene, theirs = bench.dam_break(12, 2.5, 10), _splish.scene(12, bench.SPACING, bench.DT, 10)
+    scene, theirs = bench.dam_break(12, 2.5, 10), _splish.scene(12, bench.SPACING, bench.DT, "pbf")
     block = theirs["FluidBlocks"][0]
     # their blocks leave out a particle at each end
     low, high = block["start"][0] + bench.SPACING, block["end"][0] - bench.SPACING
