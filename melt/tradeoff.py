@@ -201,7 +201,8 @@ def run(name, out=None, steps=None, knobs=None, say=print):
     if scene.incompressible:
         reference = tradeoff_slime.reference_of(scene)
     knobs = knobs or knobs_of(scene)
-    say(f"{name}: {steps} outer steps of {scene.time.dt:g} s; reference run: {', '.join(reference)}")
+    dt = load_scene(name, reference).time.dt
+    say(f"{name}: {steps} outer steps of {dt:g} s; reference run: {', '.join(reference)}")
     say(expected([load_scene(name, overrides) for overrides in (reference, *(k[2] for k in knobs))], steps))
     truth, ms, n_sub, _ = sample(load_scene(name, reference), steps)
     errors = [e for e in truth]
