@@ -111,8 +111,8 @@ def grid_of(scene, particles, real):
         if "xyz"[k] in scene.domain.periodic:
             lower[k] = scene.domain.lower[k]
             cells[k] = max(1, math.floor((scene.domain.upper[k] - lower[k]) / edge * (1 + 1e-6)))
-    if scene.domain.dimensions == 2:
-        cells[1] = 1
+    if scene.domain.dimensions == 2:  # one cell about the plane: what asks how far a cell is from a particle must find it inside
+        lower[1], cells[1] = -edge / 2, 1
     return P.make(
         P.Grid,
         real,

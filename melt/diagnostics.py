@@ -79,6 +79,8 @@ def series(do, start):
         "coincident_particles": coincident(wide["position"], mobile, phase != INACTIVE),
     }
     values["mass_deleted"] = float(wide["mass"][phase == INACTIVE].sum())  # slots not yet used have none
+    if do.need.apic:
+        values.update(_carried_by_apic(state))
     balance = values["mass"] + values["mass_deleted"]
     values["mass_created"] = balance - start["mass"] - start["mass_entered"](do.clock)
     if "density" in wide and do.clock.step > 0 and liquid.any():
@@ -122,6 +124,14 @@ _WANTED = (
     "phase material position velocity mass volume density density_ratio constraint neighbour_count offenders "
     "temperature heat_capacity heat_capacity_molten latent_point latent_capacity latent_energy"
 ).split()
+
+
+def _carried_by_apic(state):
+    """Mass and momentum of APIC particles, which have them (nodes only borrow them)."""
+    m, v, there = state.read("apic_mass").astype(float), state.read("apic_velocity").astype(float), state.read("apic_phase") != INACTIVE
+    momentum = (m * v)[:, there].sum(axis=1)
+    found = {"mass": float(m[there].sum()), "mass_deleted": float(m[~there].sum())}
+    return found | {f"momentum_{axis}": float(p) for axis, p in zip("xyz", momentum)}
 
 
 def outside(position, domain):

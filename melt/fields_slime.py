@@ -31,6 +31,8 @@ TABLE = [
     ("compression_left", "particle", "real", "1", "one", "density error that an iteration found, 0 where negative or without pressure"),
     ("pressure_error", "3 reduction", "double", "1", "one", "sum and maximum of the density error left, and particles counted"),
     ("source_sums", "2 reduction", "double", "1", "one", "sum of compression_source, and particles counted"),
+    ("surface_normal", "3 particle", "real", "1", "one", "normal of the free surface into the liquid, 0 away from it"),
+    ("surface_pressure", "particle", "real", "Pa", "pressure", "pressure of surface tension, sigma times curvature"),
     ("pair_poisson", "particle neighbour", "real", "m", "spacing", "matrix entries s_ij of the pressure Poisson equation"),
     ("poisson_ghost", "particle", "real", "m", "spacing", "share of air ghost particles in its diagonal"),
     ("poisson_diagonal", "particle", "real", "m", "spacing", "its diagonal; 0: the particle has no pressure"),
@@ -38,7 +40,7 @@ TABLE = [
     ("poisson_residual", "particle", "real", "N/m", "poisson", "residual"),
     ("poisson_direction", "particle", "real", "Pa", "pressure", "search direction"),
     ("poisson_product", "particle", "real", "N/m", "poisson", "matrix times the search direction"),
-    ("poisson_sums", "5 reduction", "double", "1", "one", "partial sums of r.z, p.Ap, the next r.z, r.r and b.b"),
+    ("poisson_sums", "5 reduction", "double", "1", "poisson_sums", "partial sums of r.z, p.Ap, the next r.z, r.r and b.b"),
     # nodes: viscosity
     ("viscosity", "particle", "real", "Pa s", "viscosity", "dynamic viscosity mu"),
     ("shear_rate", "particle", "real", "1/s", "rate", "sqrt(2 D:D) of the velocity gradient"),

@@ -6,6 +6,7 @@ import numpy as np
 
 from melt.errors import InputError, MeltError
 from melt.fields import CARRIED, FIELDS
+from melt.fields_slime import APIC_CARRIED
 from melt.physics.phases import INACTIVE, LIQUID, SOLID
 from melt.stages import STAGES
 from melt.state import REAL
@@ -67,10 +68,11 @@ def check_state(sim):
 
     Looks at the fields that particles carry from step to step; all others derive from them.
     """
-    active = sim.state.read("phase") != INACTIVE
-    for name in CARRIED:
-        if name in sim.state and FIELDS[name].kind != "int" and _bad(sim.state.read(name), active).any():
-            raise MeltError(not_finite(sim))
+    for names, phase in ((CARRIED, "phase"), (APIC_CARRIED, "apic_phase")):
+        active = sim.state.read(phase) != INACTIVE if phase in sim.state else None
+        for name in names:
+            if name in sim.state and FIELDS[name].kind != "int" and _bad(sim.state.read(name), active).any():
+                raise MeltError(not_finite(sim))
 
 
 def _bad(values, active):
@@ -85,7 +87,7 @@ def not_finite(sim):
     particles have bad is named (the first in stage order), and one of these particles.
     """
     state, clock = sim.state, sim.do.clock
-    active = state.read("phase") != INACTIVE
+    active = {of: state.read(phase) != INACTIVE for of, phase in _PHASE.items() if phase in state}
     when = f"step {clock.step}, t = {clock.time:.5g} s"
     after = (
         "The frames before are kept. Lower time.dt, fix time.n_sub to more sub-steps, or raise "
@@ -93,26 +95,27 @@ def not_finite(sim):
     )
     found = []
     names = [name for stage in sim.prepared.stages for name in STAGES[stage].writes]
-    for name in dict.fromkeys([*names, *CARRIED]):
+    for name in dict.fromkeys([*APIC_CARRIED, *names, *CARRIED]):  # nodes have what they have from APIC particles
         field = FIELDS.get(name)
         if (
             name not in state
             or field.kind == "int"
-            or field.shape[-1] != "particle"
+            or field.shape[-1] not in active
             or name in _INFINITE_ALLOWED
         ):
             continue
-        bad = _bad(state.read(name), active)
+        bad = _bad(state.read(name), active[field.shape[-1]])
         if bad.any():
             found.append((int(bad.sum()), name, bad))
     if found:
         _, name, bad = min(found, key=lambda f: f[0])
-        i = int(np.argmax(bad))
-        x = np.array2string(state.read("position")[:, i], precision=4)
+        i, of = int(np.argmax(bad)), "apic_" if FIELDS[name].shape[-1] == "apic" else ""
+        x = np.array2string(state.read(of + "position")[:, i], precision=4)
+        name = name.removesuffix("_kept")  # of the start of a sub-step
         stages = " or ".join(s for s in sim.prepared.stages if name in STAGES[s].writes) or "none: it was so from outside"
-        who = f"particle {int(state.read('id')[i])}, position {x} m{_more(bad)}"
+        who = f"{of.upper().replace('_', ' ')}particle {int(state.read(of + 'id')[i])}, position {x} m{_more(bad)}"
         return f"{when}: field {name} (stage {stages}) is not finite at {who}. {after}"
-    speed = np.where(active, np.linalg.norm(state.read("velocity").astype(np.float64), axis=0), -1.0)
+    speed = np.where(active["particle"], np.linalg.norm(state.read("velocity").astype(np.float64), axis=0), -1.0)
     i = int(np.argmax(speed))
     return (
         f"{when}: the square of field velocity or of force/mass (stage motion_bounds) is not finite; "
@@ -120,6 +123,8 @@ def not_finite(sim):
     )
 
 
+#: Extents of what is looked at, and the field that says which of them are there.
+_PHASE = {"particle": "phase", "apic": "apic_phase"}
 #: Particle fields in which infinity means something (see `melt.fields`).
 _INFINITE_ALLOWED = {
     "latent_point",

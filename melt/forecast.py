@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 from melt.flood.findings import seconds_per_step
+from melt.slime.cost import seconds_per_sub_step
 from melt.systems.heat import chosen_solver, thermal_substeps
 
 #: Seconds, measured on two cores (small scenes of 2 000 to 14 000 particles, ice_cube of 69 000), mixed precision.
@@ -59,6 +60,9 @@ def forecast(scene, initial, prepared, steps=None):
     if scene.solver.motion:
         sub_steps = settings.n_sub or max(1, math.ceil(scene.time.dt / min(limits(prepared).values()) * (1 - 1e-9)))
         mechanics = sub_steps * (LAUNCH * len(prepared.stages) + slower * (MOBILE * mobile + WALL * walls))
+        if prepared.need.incompressible:
+            more, launches = seconds_per_sub_step(scene, prepared, mobile)
+            mechanics += sub_steps * (LAUNCH * launches + slower * more)
     if prepared.need.heat:
         fixed, each = HEAT[chosen_solver(settings)]
         heat = thermal_substeps(settings) * (fixed + slower * each * mobile)

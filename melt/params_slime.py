@@ -38,6 +38,7 @@ class Poisson(NamedTuple):
     pull: float  # beta_rho: share of a density deficit that is asked back
     full_share: float  # below this density ratio negative pressure is cut to 0
     clamp: int  # 1: all negative pressure is cut
+    full: float = 0.0  # without ghosts: least sum of V F over neighbours inside the liquid; what lacks is air [1/m^2]; 0: there is no air
 
 
 class Ghosts(NamedTuple):
@@ -67,7 +68,7 @@ class Viscous(NamedTuple):
     yield_rate: float  # m of the regularised yield stress [s]
     smallest: float  # caps of mu [Pa s]
     largest: float
-    wall: float  # viscosity of the pair with a wall in units of the liquid's: 0 free slip, 1 no slip, more: sticky
+    wall: float  # viscosity of the pair with a wall in units of the liquid's: 0 free slip, 2 no slip (mirrored), more: sticky
     strength: float  # 2 (d + 2), d the dimension
     floor: float  # eps_v h^2 [m^2]
     gamma: float  # augmented Lagrangian: gamma/mu; 0: viscosity alone

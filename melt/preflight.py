@@ -14,6 +14,7 @@ from melt.geometry.build import build
 from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
 from melt.plan import prepare
 from melt.position_based import bottom_compression, relaxation, stiffness
+from melt.slime.findings import slime_findings
 from melt.stages import STAGES
 from melt.systems.melting import over_limit
 
@@ -97,6 +98,8 @@ def findings(scene, initial, prepared):
     liquid = _position_based if prepared.need.pbf else _density
     for check in (_overlap, _walls, liquid, _resolution, _sub_steps, _heat, _boiling):
         found += check(scene, initial, prepared)
+    if scene.incompressible:
+        found += [Finding(*f) for f in slime_findings(scene, prepared)]
     return found
 
 
@@ -253,7 +256,7 @@ def _head(p):
     )
     yield f"requires: {', '.join(k for k, v in vars(p.prepared.need).items() if v) or 'liquid only'}"
     if scene.solver.motion:
-        sound = "" if p.prepared.need.pbf else f"sound speed {s.sound_speed:.4g} m/s; "
+        sound = "" if p.prepared.need.pbf or p.prepared.need.incompressible else f"sound speed {s.sound_speed:.4g} m/s; "
         yield f"{sound}outer step {scene.time.dt:g} s to t = {scene.time.end:g} s"
 
 

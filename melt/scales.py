@@ -3,6 +3,7 @@
 import numpy as np
 
 from melt.flood import plan as flood_plan
+from melt.slime import scales as slime
 
 
 def scales_of(scene, initial, settings):
@@ -19,7 +20,7 @@ def scales_of(scene, initial, settings):
     )
     # 1 % of rho c_s^2 is the pressure that the sound speed was chosen for
     pressure = 0.01 * rho * cs**2
-    return {
+    found = {
         "one": 1.0,
         "spacing": dx,
         "speed": 0.1 * cs,
@@ -45,3 +46,4 @@ def scales_of(scene, initial, settings):
         "bubble_push": mass * 0.1 * cs * dx**3,
         "rate2": (0.1 * cs / dx) ** 2,
     }
+    return slime.scales_of(scene, found) if scene.incompressible else found

@@ -27,7 +27,7 @@ from melt.stepping import append_frame, loop
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
 BOUNDS = (
     "given", "sound", "force", "speed", "viscosity", "light solid", "compression", "wave", "terrain", "fall",
-    "gravity", "affine", "elastic",
+    "gravity", "affine", "elastic", "capillary",
 )
 
 

@@ -1,6 +1,6 @@
 """Registry entries of incompressible and viscous liquids, in pipeline order (see `melt.stages`)."""
 
-from melt.registry import COPY, EXACT, FEW, MOMENT, NEAR, STIFF, SUM, stage
+from melt.registry import COPY, EXACT, FEW, MOMENT, NEAR, SHARE, STIFF, SUM, stage
 
 PAIRS = f"{NEAR} pair_gradient"
 LIST = [
@@ -40,11 +40,18 @@ LIST = [
     stage("total_pressure", "dfsph", "slime 2.10",
            "density_impulse divergence_impulse poisson_pressure viscous_pressure", "dt",
            "pressure", FEW),
+    # ---- S14: nodes that are moved; surface tension
+    stage("node_shift", "surface_pressure", "slime 2.12", f"velocity_kept dfsph_factor density_ratio {PAIRS} position velocity",
+           "smoothing shift", "position velocity", SUM, partial=True),
+    stage("surface_normal", "surface_pressure", "slime 2.13", f"dfsph_factor {PAIRS}", "smoothing", "surface_normal", SHARE),
+    stage("surface_pressure", "surface_pressure", "slime 2.9, 2.13", f"position surface_normal {PAIRS}", "smoothing period sigma",
+           "surface_pressure", SHARE),
     # ---- S7: ISPH
     stage("poisson_pairs", "poisson", "slime 2.9", f"position volume completed_ratio ghost_laplacian dfsph_factor {NEAR}",
            "smoothing poisson period", "pair_poisson poisson_ghost poisson_diagonal", SUM, partial=True),
     stage("poisson_start", "poisson", "slime 2.9",
-           f"velocity volume completed_ratio poisson_ghost poisson_diagonal {PAIRS} pair_poisson poisson_pressure", "poisson dt shift",
+           f"velocity volume completed_ratio poisson_ghost poisson_diagonal {PAIRS} pair_poisson poisson_pressure surface_pressure",
+           "poisson dt shift",
            "poisson_residual poisson_direction poisson_sums", SUM, partial=True),
     stage("poisson_apply", "poisson_cg", "slime 2.9", f"poisson_direction poisson_ghost {NEAR} pair_poisson poisson_sums", "",
            "poisson_product poisson_sums", SUM, partial=True),
@@ -55,7 +62,8 @@ LIST = [
            "poisson_direction poisson_sums", SUM, partial=True),
     stage("poisson_finish", "poisson", "slime 2.9", "density_ratio completed_ratio poisson_diagonal poisson_pressure", "poisson",
            "poisson_pressure solver_pressure", FEW),
-    stage("poisson_acceleration", "poisson", "slime 2.9", f"position volume mobility poisson_diagonal solver_pressure {PAIRS}",
+    stage("poisson_acceleration", "poisson", "slime 2.9",
+           f"position volume mobility poisson_diagonal solver_pressure surface_pressure {PAIRS}",
            "poisson fluid period", "pressure_acceleration", STIFF),
     # ---- S6b: viscosity
     stage("shear_rate", "viscosity_law", "slime 2.11", f"velocity {PAIRS}", "", "shear_rate", SUM),

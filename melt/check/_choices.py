@@ -136,6 +136,7 @@ SCALARS = {
     "deviation": 1.7,
     "shift": 0.01,
     "momentum": 0.4,
+    "sigma": 40.0,
 }
 
 #: Entries of parameter tuples that switch code paths, and the values to try one at a time.

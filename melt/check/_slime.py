@@ -16,7 +16,7 @@ PERIOD = dict(
     length_x=0.0, length_y=0.0, length_z=0.0, inverse_x=0.0, inverse_y=0.0, inverse_z=0.0, lower_x=0.0, lower_y=0.0, lower_z=0.0
 )
 DFSPH = dict(omega=0.5, warm=0.5, warm_limit=10.0, fewest=20, least=1e-6 / SUPPORT**2)
-POISSON = dict(rest_density=1000.0, floor=1e-4 * SUPPORT**2, pull=0.02, full_share=0.85, clamp=0)
+POISSON = dict(rest_density=1000.0, floor=1e-4 * SUPPORT**2, pull=0.02, full_share=0.85, clamp=0, full=60.0)
 VISCOUS = dict(
     law=1, mu=50.0, slope=3000.0, reference_temperature=20.0, power=0.7, yield_stress=5.0, yield_rate=10.0, smallest=1.0,
     largest=400.0, wall=0.8, strength=10.0, floor=1e-4 * SUPPORT**2, gamma=10.0,
@@ -36,6 +36,7 @@ SCALES = dict(
     dfsph_factor=1000 * VOLUME * SPACING**2 / VOLUME,
     impulse=1e4 * 1e-6,
     poisson=1e4 * SPACING,
+    poisson_sums=(1e3 * SPACING) ** 2,  # a residual is what larger terms leave, and the sums are of its squares
     viscosity=50.0,
     pair_shear=np.sqrt(50.0 * SPACING),
     viscous_block=1e-3 / (1000 * VOLUME),
@@ -98,15 +99,9 @@ def fields(arrays, rng):
         pressure_acceleration=np.where(mobility > 0, rng.normal(size=(3, n)) * 20.0, 0.0),
         density_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
         divergence_impulse=np.where(act, np.maximum(rng.normal(size=n), 0) * 5e-3, 0.0),
-        pair_poisson=s_ij,
-        poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
-        poisson_diagonal=diagonal,
-        poisson_pressure=np.where(act, rng.normal(size=n) * 3e3, 0.0),
-        poisson_residual=np.where(act, rng.normal(size=n), 0.0),
-        poisson_direction=np.where(act, rng.normal(size=n) * 1e3, 0.0),
-        poisson_product=np.where(act, rng.normal(size=n), 0.0),
-        poisson_sums=rng.uniform(0.5, 1.5, (5, 64)),
-        ghost_laplacian=ghost,
+        surface_normal=_normals(act, g),
+        surface_pressure=np.where(act & (rng.random(n) < 0.3), rng.normal(size=n) * 500.0, 0.0),
+        **_poisson(act, s_ij, diagonal, Vc, ghost, rng),
         viscosity=mu,
         shear_rate=np.where(liquid, rng.uniform(0, 30, n), 0.0),
         pair_shear=w,
@@ -122,6 +117,29 @@ def fields(arrays, rng):
         velocity_kept=arrays["velocity"] + 0.1 * rng.normal(size=(3, n)),
         node_state=np.where(liquid & (rng.random(n) < 0.05), 1, 0),
     )
+
+
+def _poisson(act, s_ij, diagonal, Vc, ghost, rng):
+    """Return the fields of the pressure Poisson equation."""
+    n = len(act)
+    return dict(
+        pair_poisson=s_ij,
+        poisson_ghost=np.where(act, 4 * Vc * ghost, 0.0),
+        poisson_diagonal=diagonal,
+        poisson_pressure=np.where(act, rng.normal(size=n) * 3e3, 0.0),
+        poisson_residual=np.where(act, rng.normal(size=n), 0.0),
+        poisson_direction=np.where(act, rng.normal(size=n) * 1e3, 0.0),
+        poisson_product=np.where(act, rng.normal(size=n), 0.0),
+        poisson_sums=rng.uniform(0.5, 1.5, (5, 64)),
+        ghost_laplacian=ghost,
+    )
+
+
+def _normals(act, g):
+    """Return unit normals of particles near the surface (3, n)."""
+    G = g.sum(axis=2)
+    size = np.sqrt((G**2).sum(axis=0))
+    return np.where(act & (size * SUPPORT > 0.1), G / np.where(size > 0, size, 1.0), 0.0)
 
 
 def _blocks(act, w, mass, rng):

@@ -28,7 +28,7 @@ def poisson_pairs(
                 continue
             x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
             V_i = present_volume(volume[i], completed_ratio[i])
-            total = real(0)
+            total = around = real(0)
             for k in range(count):
                 j = np.uint64(neighbour_index[i, k])
                 x = real(wrap(x_i - position[0, j], period.length_x, period.inverse_x))
@@ -36,10 +36,12 @@ def poisson_pairs(
                 z = real(wrap(z_i - position[2, j], period.length_z, period.inverse_z))
                 V_j = present_volume(volume[j], completed_ratio[j])
                 s = poisson_entry(V_i, V_j, x * x + y * y + z * z, smoothing, poisson)
+                around += s
                 s = s if dfsph_factor[j] > real(0) else real(0)
                 pair_poisson[i, k] = s
                 total += s
-            ghost = real(4) * V_i * ghost_laplacian[i] if ghosts else real(0)
+            lack = max(poisson.full - around / (real(2) * V_i), real(0))
+            ghost = real(4) * V_i * (ghost_laplacian[i] if ghosts else lack)
             poisson_ghost[i] = ghost
             poisson_diagonal[i] = total + ghost
 
@@ -47,7 +49,7 @@ def poisson_pairs(
 @cpu_stage
 def poisson_start(
     velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index,
-    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
+    pair_gradient, pair_poisson, poisson_pressure, surface_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
 ):
     """See `melt.reference.poisson.poisson_start`."""
     real = type(dt)
@@ -75,7 +77,8 @@ def poisson_start(
             s = completed_ratio[i]
             lack = poisson.pull * min(real(0), s - real(1)) / dt
             b = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt) - shift
-            r = b - (total + poisson_ghost[i] * p_i)
+            p_s = surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
+            r = b - (total + poisson_ghost[i] * (p_i - p_s))
             d = r / poisson_diagonal[i]
             poisson_residual[i], poisson_direction[i] = r, d
             rz += wide(r) * wide(d)
@@ -89,8 +92,8 @@ def poisson_start(
 
 @cpu_stage
 def poisson_acceleration(
-    position, volume, mobility, poisson_diagonal, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-    poisson, fluid, period, pressure_acceleration,
+    position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count, neighbour_index,
+    pair_gradient, poisson, fluid, period, pressure_acceleration,
 ):
     """See `melt.reference.poisson.poisson_acceleration`."""
     real = volume.dtype.type

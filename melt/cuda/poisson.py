@@ -23,7 +23,7 @@ def _poisson_pairs(
         return
     x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
     V_i = present_volume(volume[i], completed_ratio[i])
-    total = real(0)
+    total = around = real(0)
     for k in range(neighbour_count[i]):
         j = neighbour_index[i, k]
         x = real(wrap(x_i - position[0, j], period.length_x, period.inverse_x))
@@ -31,10 +31,12 @@ def _poisson_pairs(
         z = real(wrap(z_i - position[2, j], period.length_z, period.inverse_z))
         V_j = present_volume(volume[j], completed_ratio[j])
         s = poisson_entry(V_i, V_j, x * x + y * y + z * z, smoothing, poisson)
+        around += s
         s = s if dfsph_factor[j] > real(0) else real(0)
         pair_poisson[i, k] = s
         total += s
-    ghost = real(4) * V_i * ghost_laplacian[i] if ghost_laplacian.shape[0] > 0 else real(0)
+    lack = max(poisson.full - around / (real(2) * V_i), real(0))
+    ghost = real(4) * V_i * (ghost_laplacian[i] if ghost_laplacian.shape[0] > 0 else lack)
     poisson_ghost[i] = ghost
     poisson_diagonal[i] = total + ghost
 
@@ -80,7 +82,7 @@ def _poisson_right(
 @cuda_kernel
 def _poisson_start(
     poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index, pair_poisson, poisson_pressure,
-    poisson_residual, poisson_direction,
+    surface_pressure, poisson_residual, poisson_direction,
 ):
     i = cuda.grid(1)
     if i >= poisson_diagonal.shape[0]:
@@ -92,7 +94,8 @@ def _poisson_start(
     p_i, total = poisson_pressure[i], real(0)
     for k in range(neighbour_count[i]):
         total += pair_poisson[i, k] * (p_i - poisson_pressure[neighbour_index[i, k]])
-    r = poisson_residual[i] - (total + poisson_ghost[i] * p_i)
+    p_s = surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
+    r = poisson_residual[i] - (total + poisson_ghost[i] * (p_i - p_s))
     poisson_residual[i] = r
     poisson_direction[i] = r / poisson_diagonal[i]
 
@@ -113,7 +116,7 @@ def _left(poisson_residual, poisson_diagonal, poisson_sums):
 
 def poisson_start(
     velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index,
-    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
+    pair_gradient, pair_poisson, poisson_pressure, surface_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
 ):
     """See `melt.reference.poisson.poisson_start`. The residual holds b until b.b is known."""
     n = volume.shape[0]
@@ -124,7 +127,7 @@ def poisson_start(
     dot.launch(64, poisson_residual, poisson_residual, 4, poisson_sums)
     _poisson_start.launch(
         n, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index, pair_poisson, poisson_pressure,
-        poisson_residual, poisson_direction,
+        surface_pressure, poisson_residual, poisson_direction,
     )
     dot.launch(64, poisson_residual, poisson_direction, 0, poisson_sums)
     dot.launch(64, poisson_residual, poisson_residual, 3, poisson_sums)
@@ -133,8 +136,8 @@ def poisson_start(
 
 @cuda_kernel
 def _poisson_acceleration(
-    position, volume, mobility, poisson_diagonal, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-    poisson, fluid, period, pressure_acceleration,
+    position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count, neighbour_index,
+    pair_gradient, poisson, fluid, period, pressure_acceleration,
 ):
     i = cuda.grid(1)
     if i >= volume.shape[0]:
@@ -146,6 +149,7 @@ def _poisson_acceleration(
     x = y = z = real(0)
     if mobility[i] > real(0):
         p = solver_pressure[i]
+        twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
         for k in range(neighbour_count[i]):
             j = neighbour_index[i, k]
             # what water at rest would add between here and there
@@ -154,7 +158,7 @@ def _poisson_acceleration(
                 + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
                 + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
             )
-            both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below)
+            both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below) - twice
             x += both * pair_gradient[0, i, k]
             y += both * pair_gradient[1, i, k]
             z += both * pair_gradient[2, i, k]
@@ -165,13 +169,13 @@ def _poisson_acceleration(
 
 
 def poisson_acceleration(
-    position, volume, mobility, poisson_diagonal, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-    poisson, fluid, period, pressure_acceleration,
+    position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count, neighbour_index,
+    pair_gradient, poisson, fluid, period, pressure_acceleration,
 ):
     """See `melt.reference.poisson.poisson_acceleration`."""
     _poisson_acceleration.launch(
-        volume.shape[0], position, volume, mobility, poisson_diagonal, solver_pressure, neighbour_count, neighbour_index,
-        pair_gradient, poisson, fluid, period, pressure_acceleration,
+        volume.shape[0], position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count,
+        neighbour_index, pair_gradient, poisson, fluid, period, pressure_acceleration,
     )
 
 

@@ -11,7 +11,7 @@ from melt.geometry.nozzles import nozzle_table
 from melt.geometry.shapes import affordable, keys, sample
 from melt.geometry.walls import beyond_walls, wall_cells
 from melt.physics.phases import AIRBORNE, DRIVEN, INACTIVE, LIQUID, SOLID, WALL
-from melt.slime.build import in_plane, slime_arrays
+from melt.slime.build import in_plane, slime_arrays, spare_nodes
 
 
 @dataclass
@@ -77,6 +77,7 @@ def build(scene):
     _free(scene, nozzles, inflow["inflow_position"], np.hstack([fixed, *solids]))
     spare = entering = sum(n.layers * n.count for n in nozzles)
     affordable(spare, "inflow, layers times particles of a layer")
+    spare += spare_nodes(scene, sum(cells.shape[1] for cells in fills))
     bubbles, vapour = slots_of(scene, sum(cells.shape[1] for cells in fills))
     affordable(bubbles + vapour, "boiling, slots for bubbles and vapour")
     spare += bubbles + vapour
@@ -113,7 +114,7 @@ def _walls(scene, notes):
 
 def _slices(arrays, walls, moving):
     """Return the slice of particles of each moving body: they stand behind the walls."""
-    first, slices = int(np.argmax(arrays["phase"] == WALL)) + walls.shape[1], []
+    first, slices = int(np.isin(arrays["phase"], (LIQUID, SOLID)).sum()) + walls.shape[1], []
     for cells in moving:
         slices.append(slice(first, first + cells.shape[1]))
         first += cells.shape[1]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from melt.geometry.shapes import affordable
-from melt.scene.model import SIDES
+from melt.scene.domain import SIDES
 
 
 def wall_cells(domain):

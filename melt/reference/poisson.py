@@ -24,6 +24,8 @@ def poisson_pairs(
 ):
     """Write the entries s_ij, 0 unless both particles have a pressure, the ghosts' share and the diagonal.
 
+    Without ghosts what the neighbours' sum of V F lacks to ``poisson.full`` counts as air at the mirrored pressure.
+
     Reads: position (3, n) [m], volume (n,) [m^3], completed_ratio (n,), ghost_laplacian (n,) [1/m^2] or of
         length 0 (no ghosts), dfsph_factor (n,) (0: no pressure), the lists.
     Writes: pair_poisson (n, m) [m] within the list's count, poisson_ghost (n,) [m] = 4 V lambda,
@@ -35,8 +37,10 @@ def poisson_pairs(
         x_ij = nearest(x[:, i, None] - x[:, near], period)
         r2 = (x_ij**2).sum(axis=0)
         F_r2 = -(gradW(x_ij, np.sqrt(r2), smoothing) * x_ij).sum(axis=0)
-        s = np.where(act[i] & act[near], 2 * V[i] * V[near] * F_r2 / (r2 + float(poisson.floor)), 0.0)
-        ghost = 4 * V[i] * float(ghost_laplacian[i]) if act[i] and len(ghost_laplacian) else 0.0
+        s = 2 * V[i] * V[near] * F_r2 / (r2 + float(poisson.floor))
+        lack = max(float(poisson.full) - s.sum() / (2 * V[i]), 0.0) if act[i] else 0.0
+        s = np.where(act[i] & act[near], s, 0.0)
+        ghost = 4 * V[i] * (float(ghost_laplacian[i]) if len(ghost_laplacian) else lack) if act[i] else 0.0
         pair_poisson[i, : len(near)] = s
         poisson_ghost[i] = ghost
         poisson_diagonal[i] = s.sum() + ghost
@@ -44,7 +48,7 @@ def poisson_pairs(
 
 def poisson_start(
     velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index,
-    pair_gradient, pair_poisson, poisson_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
+    pair_gradient, pair_poisson, poisson_pressure, surface_pressure, poisson, dt, shift, poisson_residual, poisson_direction, poisson_sums,
 ):
     r"""Write residual r = b - S p, direction z = r/diagonal, and the partial sums of r.z, r, particles, r.r and b.b.
 
@@ -69,7 +73,8 @@ def poisson_start(
         rate = (mirror * pair_gradient[:, i, : len(near)].astype(float) * (v[:, i, None] - v[:, near])).sum()
         b[i] = V[i] * float(poisson.rest_density) * (rate / s / dt + float(poisson.pull) * min(0.0, s - 1) / dt**2)
         b[i] -= float(shift)
-        r = b[i] - _times(i, near, pair_poisson, poisson_ghost, p)
+        p_s = float(surface_pressure[i]) if len(surface_pressure) else 0.0
+        r = b[i] + float(poisson_ghost[i]) * p_s - _times(i, near, pair_poisson, poisson_ghost, p)
         poisson_residual[i], poisson_direction[i] = r, r / float(poisson_diagonal[i])
     r = poisson_residual.astype(float)
     for row, product in ((0, r * poisson_direction), (1, r), (2, poisson_diagonal > 0), (3, r * r), (4, b * b)):
@@ -82,13 +87,14 @@ def _times(i, near, pair_poisson, poisson_ghost, p):
 
 
 def poisson_acceleration(
-    position, volume, mobility, poisson_diagonal, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-    poisson, fluid, period, pressure_acceleration,
+    position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count, neighbour_index,
+    pair_gradient, poisson, fluid, period, pressure_acceleration,
 ):
     """Write a_i = -mobility_i V_i sum_j (p_i + p_j) g_ij, p_j = p_i + rho_0 g.(x_j - x_i) for walls and all else without a pressure.
 
     The pressure in a wall is what water at rest would have there (Adami et al. 2012): with p_j = p_i alone the lowest
-    layer keeps half of its weight. Tangential velocities take no part, or walls would brake.
+    layer keeps half of its weight. Tangential velocities take no part, or walls would brake. With surface tension the
+    ghosts' share, -2 p_s sum_g V_g grad W, is 2 p_s sum_j g_ij, as all gradients together sum to zero.
     Reads: position (3, n) [m], volume (n,) [m^3], mobility (n,) [1/kg], poisson_diagonal (n,) [m] (0: no pressure), solver_pressure (n,)
         [Pa], the lists, pair_gradient (3, n, m) [1/m]. Writes: pressure_acceleration (3, n) [m/s^2].
     """
@@ -98,7 +104,8 @@ def poisson_acceleration(
         d = nearest(position[:, near].astype(float) - position[:, i, None].astype(float), period)
         other = np.where(poisson_diagonal[near] > 0, p[near], p[i] + float(poisson.rest_density) * (gravity @ d))
         g = pair_gradient[:, i, : len(near)].astype(float)
-        pressure_acceleration[:, i] = -w[i] * V[i] * (g * (p[i] + other)).sum(axis=1) if w[i] > 0 else 0.0
+        p_s = float(surface_pressure[i]) if len(surface_pressure) else 0.0
+        pressure_acceleration[:, i] = -w[i] * V[i] * (g * (p[i] + other - 2 * p_s)).sum(axis=1) if w[i] > 0 else 0.0
 
 
 def poisson_finish(density_ratio, completed_ratio, poisson_diagonal, poisson, poisson_pressure, solver_pressure):

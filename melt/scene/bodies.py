@@ -151,6 +151,8 @@ class Fluid(Section):
     """Rate of ambient drag; 0 is off."""
     xsph: NonNegative = 0.0
     """XSPH blend; 0 is off."""
+    sigma: NonNegative = 0.0
+    """Surface tension [N/m], as a pressure at air ghost particles (incompressible liquids); 0 is off."""
     surface_tension: NonNegative = 0.0
     """Cohesion of Becker and Teschner [m/s^2 per kg-weighted W]; 0 is off."""
 

@@ -9,20 +9,18 @@ from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_
 from melt.errors import InputError
 from melt.scene.bodies import Fluid, Heater, Inflow, Obstacle, Solid
 from melt.scene.boiling import Boiling, check_boiling
+from melt.scene.domain import Domain
 from melt.scene.pbf import check_pbf
 from melt.scene.quantities import (
-    Acceleration,
     Conductivity,
     HeatTransfer,
     NonNegative,
     Positive,
-    PositiveLength,
     PositiveTime,
     Section,
     SpecificHeat,
     Temperature,
     TemperatureDifference,
-    Vector,
 )
 from melt.scene.slime import INCOMPRESSIBLE, Elastic, Viscosity, check_incompressible
 from melt.scene.solver import Solver
@@ -35,8 +33,6 @@ OUTPUT_FIELDS = (
 MOST_STEPS = 1_000_000_000
 #: Thermal sub-steps of a step: more are refused, not waited for.
 SUBSTEPS_LIMIT = 10_000
-SIDES = ("x-", "x+", "y-", "y+", "z-", "z+")
-_SIDE_NAMES = {"floor": ("z-",), "lid": ("z+",), "sides": SIDES[:4], "all": SIDES, "none": ()}
 
 
 class About(Section):
@@ -89,64 +85,6 @@ class Time(Section):
         if self.checkpoint_every is None:
             return self.output_steps
         return 0 if self.checkpoint_every == "never" else max(1, round(self.checkpoint_every / self.dt))
-
-
-class Walls(Section):
-    """Layers of fixed particles around the domain."""
-
-    sides: list[Literal["x-", "x+", "y-", "y+", "z-", "z+"]] = ["x-", "x+", "y-", "y+", "z-"]
-    """Sides with a wall: x- x+ y- y+ z- z+, or floor, sides, lid, all, none."""
-    layers: PositiveInt = 3
-    height: PositiveLength | None = None
-    """Height of the side walls; the domain's unless given."""
-
-    @field_validator("sides", mode="before")
-    @classmethod
-    def _named(cls, value):
-        names = [value] if isinstance(value, str) else value
-        if not isinstance(names, list):
-            return value
-        sides = [s for name in names for s in _SIDE_NAMES.get(name, (name,)) if isinstance(name, str)]
-        return [s for s in SIDES if s in sides] + [s for s in sides if s not in SIDES]
-
-
-class Domain(Section):
-    """The box that holds the scene, its lattice and its walls. z is up."""
-
-    lower: Vector = [0.0, 0.0, 0.0]
-    upper: Vector
-    spacing: PositiveLength = 0.2
-    """Particle spacing dx; particle centres are at lower + (i + 1/2) dx."""
-    gravity: Acceleration = [0.0, 0.0, -9.81]
-    walls: Walls = Field(default_factory=Walls)
-    dimensions: Literal[2, 3] = 3
-    """2: a plane of particles at y = 0, per metre of depth; lower and upper are taken in x and z. Incompressible liquids only."""
-    periodic: list[Literal["x", "y", "z"]] = []
-    """Axes along which the domain repeats. Incompressible liquids only."""
-    leave: Literal["keep", "delete"] = "keep"
-    """What becomes of particles far outside: they are counted, and kept or made inactive."""
-
-    @model_validator(mode="after")
-    def _box(self):
-        if self.dimensions == 2:
-            self.lower[1], self.upper[1] = -0.5 * self.spacing, 0.5 * self.spacing
-        if any(a >= b for a, b in zip(self.lower, self.upper)):
-            raise ValueError(f"upper {self.upper} must exceed lower {self.lower} along every axis")
-        if self.dimensions == 2 and "y" in self.periodic:
-            raise ValueError("periodic: in two dimensions there is no y, use x and z")
-        for axis in self.periodic:
-            k = "xyz".index(axis)
-            length = (self.upper[k] - self.lower[k]) / self.spacing
-            if abs(length - round(length)) > 1e-6 or round(length) < 3:
-                raise ValueError(f"periodic axis {axis} is {length:g} spacings long: make it a whole number of at least 3")
-        open_ends = [side for side in SIDES if side[0] in self.periodic or (self.dimensions == 2 and side[0] == "y")]
-        self.walls.sides = [side for side in self.walls.sides if side not in open_ends]
-        return self
-
-    @property
-    def cells(self):
-        """Lattice cells along x, y, z; a fraction of a spacing counts as a whole one."""
-        return tuple(max(1, math.ceil((b - a) / self.spacing - 1e-6)) for a, b in zip(self.lower, self.upper))
 
 
 class Heat(Section):
@@ -303,6 +241,7 @@ class Scene(Section):
             "[elastic]": self.elastic is not None,
             "domain.dimensions = 2": self.domain.dimensions == 2,
             "domain.periodic": bool(self.domain.periodic),
+            "fluid.sigma": self.fluid.sigma > 0,
             "[fluid.flow]": self.fluid.flow is not None,
             "obstacle.velocity, spin or motion": any(o.moves for o in self.obstacle),
             "inflow.hold": any(nozzle.hold > 0 for nozzle in self.inflow),

@@ -20,6 +20,11 @@ from melt.scene.quantities import (
 INCOMPRESSIBLE = ("dfsph", "isph", "hybrid")
 
 
+def switched(value):
+    """Return what an optional section is given as: true is the section with its defaults, false none."""
+    return {} if value is True else None if value is False else value
+
+
 class Incompressible(Section):
     """Numbers of the incompressible solvers (solver.pressure = dfsph, isph or hybrid)."""
 
@@ -50,6 +55,8 @@ class Incompressible(Section):
     """Solve the forces of a sub-step where the particles arrive, which allows longer sub-steps."""
     arrivals: Annotated[int, Field(ge=1, le=5)] = 3
     """Times at most that the place of arrival is predicted in a sub-step."""
+    node_shift: Annotated[quantity("number", at_least=0, at_most=0.2), Field()] = 0.0
+    """With semi_lagrangian: move nodes towards where there are few, by this times h^2 times the gradient of the fill."""
     on_fail: Literal["retry", "raise", "warn"] = "retry"
     """A solve that has not converged: try the sub-step again in two halves, stop the run, or mark the frame and go on."""
     retries: Annotated[int, Field(ge=0, le=6)] = 3
@@ -196,6 +203,12 @@ def check_incompressible(scene):
             raise ValueError(f"scenes with solids have no {', '.join(wanted)} yet")
     elif not s.motion:
         raise ValueError("solver.motion = false is for scenes without an incompressible solver: leave solver.pressure out")
+    if f.sigma > 0 and (s.pressure == "dfsph" or s.ghosts is None):
+        raise ValueError("fluid.sigma is a pressure at the air ghost particles: set pressure = isph or hybrid, and add [solver.ghosts]")
+    if f.sigma > 0 and f.surface_tension > 0:
+        raise ValueError("fluid.sigma and fluid.surface_tension are two models of one thing: give one of them")
+    if s.dfsph.node_shift > 0 and not s.dfsph.semi_lagrangian:
+        raise ValueError("solver.dfsph.node_shift moves nodes away from their own path: set semi_lagrangian = true")
     if scene.elastic is not None and s.apic is None:
         raise ValueError("[elastic] lives on APIC particles: add [solver.apic]")
     if s.apic is not None and scene.heat is not None:

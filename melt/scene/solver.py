@@ -2,10 +2,10 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
+from pydantic import BeforeValidator, Field, NonNegativeInt, PositiveInt, model_validator
 
 from melt.scene.quantities import DynamicViscosity, NonNegative, Positive, PositiveSpeed, Section, Share, quantity
-from melt.scene.slime import INCOMPRESSIBLE, Apic, Ghosts, Incompressible
+from melt.scene.slime import INCOMPRESSIBLE, Apic, Ghosts, Incompressible, switched
 
 Width = Annotated[int, Field(ge=0, le=5)]
 
@@ -65,8 +65,10 @@ class Solver(Section):
     """"wcsph": weakly compressible SPH; "pbf": position based fluid, for liquids between walls; "sph": Mueller 2003's;
     "dfsph": divergence-free SPH; "isph": pressure Poisson equation; "hybrid": that and dfsph for what it leaves."""
     dfsph: Incompressible = Field(default_factory=Incompressible)
-    apic: Apic | None = None
-    ghosts: Ghosts | None = None
+    apic: Annotated[Apic | None, BeforeValidator(switched)] = None
+    """APIC particles: a section, or true with its defaults, or false."""
+    ghosts: Annotated[Ghosts | None, BeforeValidator(switched)] = None
+    """Air ghost particles: a section, or true with its defaults, or false."""
     pbf: PositionBased = Field(default_factory=PositionBased)
     sph: PlainSph = Field(default_factory=PlainSph)
     kernel: Literal["cubic", "wendland2", "mueller"] = "cubic"

@@ -107,6 +107,11 @@ def slime_arrays(scene, arrays, moving, spare):
     return found
 
 
+def spare_nodes(scene, nodes):
+    """Return how many slots to keep for nodes that orphaned APIC particles get: a fiftieth of the nodes, at least 16."""
+    return 0 if scene.solver.apic is None else max(16, nodes // 50)
+
+
 def in_plane(cells, scene, name):
     """Return the cells (3, n) of the plane of a two-dimensional scene; all in three dimensions."""
     if scene.domain.dimensions == 3:

@@ -5,19 +5,22 @@ import math
 import numpy as np
 
 from melt import params as P
-from melt.constants import KERNELS, calibration, grid_of
+from melt.constants import KERNELS, calibration, grid_of, lattice_offsets, smoothing_of
 from melt.errors import InputError
+from melt.physics.smoothing import dW
 from melt.slime.motion import Body
 
 LAWS = {"constant": P.VISCOSITY_CONSTANT, "arrhenius": P.VISCOSITY_ARRHENIUS, "exponential": P.VISCOSITY_EXPONENTIAL}
 AXES = "xyz"
-RELAX = 10  # passes that take the overlap out of a disordered start
+FULL = 0.9  # share of the lattice's neighbours below which a liquid without ghosts borders on air
+RELAX = 10  # passes at most that take the overlap out of a start
 MOST_GHOST_POINTS = 200_000_000
 #: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
 ONLY_IF = {
     "apic": ("apic_phase", "apic_affine"),
     "ghosts": ("ghost_laplacian",),
     "augmented": ("dilation", "viscous_pressure"),
+    "tension": ("surface_pressure",),
     "shears": ("shear_rate",),
     "dfsph": ("density_impulse", "divergence_impulse"),
     "poisson": ("poisson_pressure",),
@@ -43,6 +46,8 @@ def needs_of(scene):
         periodic=bool(scene.domain.periodic),
         # nothing is open: pressure is known but for a constant
         closed=len(scene.domain.periodic) == scene.domain.dimensions,
+        tension=scene.fluid.sigma > 0,
+        node_shift=s.dfsph.node_shift > 0,
         central=scene.fluid.central > 0,
     )
 
@@ -75,9 +80,13 @@ def settings_of(scene, initial, precision):
         bodies=[Body.of(o, k) for k, o in enumerate(o for o in scene.obstacle if o.moves)],
         apic_per_node=1 if scene.solver.apic is None else scene.solver.apic.per_axis**scene.domain.dimensions,
         apic_capacity=initial["apic_id"].size if "apic_id" in initial else 0,
+        node_volume=scene.particle_volume,
+        sigma=scene.fluid.sigma,
+        node_shift=q.node_shift,
+        capillary=2 * math.pi * scene.fluid.sigma / (scene.fluid.density * scene.spacing**3),
         elastic_speed=0.0 if scene.elastic is None else math.sqrt(scene.elastic.modulus / scene.fluid.density),
         design_speed=initial.top_speed,
-        relax=RELAX if scene.fluid.jitter > 0 else 0,
+        relax=RELAX if scene.fluid.jitter > 0 or scene.solver.apic is not None else 0,
     )
     if v is not None:
         wide = precision == "double"
@@ -112,6 +121,7 @@ def params_of(scene, particles, real):
             pull=s.dfsph.pull,
             full_share=0.85,
             clamp=int(s.dfsph.clamp),
+            full=0.0 if len(scene.domain.periodic) == dim else FULL * lattice_laplacian(scene),
         ),
     }
     if s.ghosts is not None:
@@ -138,6 +148,13 @@ def params_of(scene, particles, real):
     return tuples
 
 
+def lattice_laplacian(scene):
+    """Return the sum of V F over the rest lattice [1/m^2], F = -W'/r."""
+    smoothing, d = smoothing_of(scene, np.float64), scene.spacing
+    r = d * lattice_offsets(scene.solver.support, scene.domain.dimensions)
+    return scene.particle_volume * -sum(dW(q, smoothing) / q for q in r)
+
+
 def period_of(scene, real):
     """Return the `Period` tuple."""
     values = {}
@@ -162,7 +179,7 @@ def viscous_of(scene, real):
         yield_rate=v.yield_time,
         smallest=v.smallest,
         largest=v.largest,
-        wall=v.wall,
+        wall=2 * v.wall,  # mirrored velocity at a flat wall, in the mean: without it water slips by half a spacing
         strength=2 * (dim + 2),
         floor=v.floor * scene.support**2,
         gamma=v.gamma if needs_augmented(scene) else 0.0,

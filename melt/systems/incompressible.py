@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from melt.errors import MeltError
+from melt.errors import MeltError, NotFinite
 
 CHECK = 4  # iterations of conjugate gradients between two looks at the residual
 
@@ -22,6 +22,11 @@ class Solved(NamedTuple):
     residual: float  # mean error, or relative residual
     largest: float  # largest error of a particle (of conjugate gradients: the residual again)
     converged: bool
+
+    @property
+    def finite(self):
+        """Whether the residual is a number."""
+        return math.isfinite(self.residual)
 
 
 def operators(do):
@@ -72,7 +77,10 @@ def _jacobi(do, dt, name, tolerance, least):
 
 
 def project(do, dt):
-    """Pressure Poisson equation, zero at the free surface, and what it does to velocities (S7)."""
+    """Pressure Poisson equation, zero (or surface tension's) at the free surface, and what it does to velocities (S7)."""
+    if do.need.tension:
+        do.surface_normal()
+        do.surface_pressure(sigma=do.settings.sigma)
     do.poisson_pairs(completed_ratio=_ratio(do))
     do.poisson_start(completed_ratio=_ratio(do), dt=dt, shift=0.0)
     if do.need.closed:  # a constant may be added to the pressure: the right-hand side has to vanish in sum
@@ -149,10 +157,17 @@ def told(do, solved):
 
 
 def tell(do, dt, failed):
-    """Say which solve has not converged; end the run unless the scene says to go on."""
+    """Say which solve has not converged; end the run unless the scene says to go on.
+
+    Raises:
+        NotFinite: a residual is not a number.
+        MeltError: which solve, after how many iterations, and what may help.
+    """
+    if not all(f.finite for f in failed):
+        raise NotFinite
     words = "; ".join(f"{f.name} solve after {f.iterations} iterations: {f.residual:.3g}" for f in failed)
     text = f"at t = {do.clock.time:.5g} s a sub-step of {dt:.3g} s has not converged ({words})"
-    if do.settings.on_fail == "warn" and all(math.isfinite(f.residual) for f in failed):
+    if do.settings.on_fail == "warn":
         tally(do, "unconverged", 1)
         do.warning = f"{text}. Fix: a shorter time.dt, or more iterations (solver.dfsph.max_iterations, viscosity.max_iterations)"
         return
@@ -172,6 +187,8 @@ def step_limits(do):
     affine = getattr(clock, "largest_affine", 0.0)
     if affine > 0:
         limits["affine"] = 0.5 * s.courant / 0.4 / affine
+    if s.capillary > 0:
+        limits["capillary"] = 1 / math.sqrt(s.capillary)
     if s.elastic_speed > 0:
         limits["elastic"] = 0.3 * s.spacing / s.elastic_speed
     return limits

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from melt.errors import MeltError
+from melt.errors import MeltError, NotFinite
 from melt.systems import incompressible
 from melt.systems.heat import heat, start_heat
 from melt.systems.topology import build_lattice, freeze, melt_and_relink
@@ -46,9 +46,14 @@ def step(do, dt):
             heat(do, dt)  # line 13, eq (4): T^n -> T^(n+1)
         if need.solids:
             shape(do, dt, sub_dt)  # line 11: goals from x^n
-        move(do, sub_dt)  # line 14: v^(n-1/2) -> v^(n+1/2), x^n -> x^(n+1)
-    do.motion_bounds()
-    keep_bounds(do)
+        try:
+            move(do, sub_dt)  # line 14: v^(n-1/2) -> v^(n+1/2), x^n -> x^(n+1)
+        except NotFinite:  # the caller names what and where
+            clock.max_speed = math.inf
+            break
+    else:
+        do.motion_bounds()
+        keep_bounds(do)
     clock.step += 1
 
 

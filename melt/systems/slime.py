@@ -8,12 +8,16 @@ Solvers are in `melt.systems.incompressible`. Positions and velocities live at t
 
 import numpy as np
 
+from melt.errors import NotFinite
 from melt.fields_slime import APIC_CARRIED
 from melt.slime.motion import motion_of
+from melt.slime.nodes import tend
 from melt.systems import incompressible as solve
 from melt.systems.heat import heat, start_heat
 from melt.systems.incompressible import step_limits, sub_steps, tally, tell  # noqa: F401  (step_limits: asked of every page)
 from melt.systems.melting import emit, grown, search, sort
+
+RELAX_STEP = 1e-5  # [s] so short that nothing falls in it; displacements do not depend on it
 
 
 def start(do):
@@ -22,25 +26,59 @@ def start(do):
         start_heat(do)
     if do.need.apic and not do.clock.apic:
         do.clock.apic = int((np.asarray(do.read("apic_phase")) == 0).sum())
-    if do.settings.relax and not do.recording and do.clock.step == 0:
-        relax(do)
+    if do.clock.step == 0 and not do.recording:
+        if do.settings.relax:
+            relax(do)
+        if do.need.apic:
+            centre(do)
 
 
 def relax(do):
-    """Take the overlap out of a disordered start: the density solve moves particles, velocities stay as they were (spec 4)."""
-    ids, velocity = do.read("id"), do.read("velocity")
-    by_id = np.argsort(ids, kind="stable")
+    """Take the overlap out of a start: the density solve moves particles, velocities stay as they were (spec 4).
+
+    Disorder overlaps, and so do nodes with APIC particles: those at a surface share the mass with fewer others, so that
+    they are a tenth too heavy. Left alone, the first step would take this for compression and make velocity of it.
+    """
+    kept = [(name, of, _by_id(do, name, of)) for name, of in _VELOCITIES if name == "velocity" or do.need.apic]
     for _ in range(do.settings.relax):
-        do.give("velocity", np.zeros_like(velocity))
+        if do.need.apic:
+            gather(do)
+        do.give("velocity", np.zeros_like(do.read("velocity")))
         listed(do)
-        do.liquid_volume()
+        if do.need.apic:
+            do.reorder(("volume", "node_state"))
+        else:
+            do.liquid_volume()
         solve.operators(do)
-        solve.density(do, 1e-3, "density_ratio")
+        solved = solve.density(do, RELAX_STEP, "density_ratio")
         do.keep_motion()
-        do.advect(dt=1e-3)
-    rank = np.argsort(np.argsort(do.read("id"), kind="stable"), kind="stable")
-    do.give("velocity", np.ascontiguousarray(velocity[:, by_id][:, rank]))
+        if do.need.apic:
+            do.nodes_to_apic(dt=RELAX_STEP)
+            do.apic_move(dt=RELAX_STEP)
+        do.advect(dt=RELAX_STEP)
+        if solved.largest == 0:
+            break
+    for name, of, values in kept:
+        do.give(name, np.ascontiguousarray(values[:, np.argsort(np.argsort(do.read(of), kind="stable"), kind="stable")]))
     do.give("density_impulse", np.zeros_like(do.read("density_impulse")))
+
+
+def centre(do):
+    """Take the velocities of APIC particles, given where they are, to the weighted centroids of their nodes, where they count."""
+    C = np.asarray(do.read("apic_affine"), np.float64)
+    if not C.any():
+        return
+    gather(do)
+    C, v = (np.asarray(do.read(name), np.float64) for name in ("apic_affine", "apic_velocity"))
+    v += np.einsum("abn,bn->an", C.reshape(3, 3, -1), np.asarray(do.read("apic_centre"), np.float64))
+    do.give("apic_velocity", v)
+
+
+_VELOCITIES = (("velocity", "id"), ("apic_velocity", "apic_id"), ("apic_affine", "apic_id"))
+
+
+def _by_id(do, name, of):
+    return do.read(name)[:, np.argsort(do.read(of), kind="stable")]
 
 
 def step(do, dt):
@@ -49,11 +87,15 @@ def step(do, dt):
         emit(do, dt)  # S1
     n_sub, sub_dt = sub_steps(do, dt)
     do.clock.tally = {}
-    for _ in range(n_sub):
-        advance(do, sub_dt, do.settings.retries)
-    if do.need.heat:
-        heat(do, dt)
-    report(do, dt)
+    try:
+        for _ in range(n_sub):
+            advance(do, sub_dt, do.settings.retries)
+        if do.need.heat:
+            listed(do)  # the lists of the last sub-step name particles that have left since
+            heat(do, dt)
+        report(do, dt)
+    except NotFinite:  # the caller names what and where
+        do.clock.max_speed = float("inf")
     do.clock.step += 1
 
 
@@ -73,6 +115,8 @@ def advance(do, dt, retries):
         advance(do, dt / 2, retries - 1)
         return
     if failed:
+        if s.on_fail != "warn" and all(f.finite for f in failed):
+            do.restore_motion()  # what is left is the state before this sub-step
         tell(do, dt, failed)
     if do.need.semi_lagrangian:
         do.restore_motion(velocity_kept="velocity")  # back to x^n, with v^(n+1)
@@ -86,6 +130,8 @@ def advance(do, dt, retries):
     do.advect(dt=dt)  # S11: x^n -> x^(n+1)
     if do.need.domain:
         do.leave_domain()
+        if do.need.apic:
+            do.leave_domain(position="apic_position", phase="apic_phase")
     do.clock.time += dt
     do.clock.previous_dt = dt
 
@@ -131,6 +177,9 @@ def velocities(do, dt):
         do.liquid_volume()
     boundaries(do, dt)
     solve.operators(do)  # S5b
+    if need.node_shift:
+        do.node_shift(shift=do.settings.node_shift)
+        solve.operators(do)
     if need.apic:
         do.massless_velocity()
     if need.ghosts:
@@ -208,3 +257,4 @@ def report(do, dt):
         orphans, mass, _ = np.asarray(do.read("apic_sums"), np.float64).sum(axis=1)
         do.note("orphans", int(orphans))
         do.note("orphan_mass", float(mass))
+        tend(do)  # S13

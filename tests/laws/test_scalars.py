@@ -55,6 +55,9 @@ INTEGERS = {
     "steps",
     "column",
     "across",
+    "c_x",
+    "c_y",
+    "c_z",
 }
 #: Words of a random generator: uint64.
 WORDS = {"c0", "c1", "c2", "c3", "k0", "k1"}
@@ -66,7 +69,7 @@ ARRAYS |= {f"bubble_life.{name}": (4, np.int32) for name in ("bubble_index", "bu
 ARRAYS |= {f"bubble_life.{name}": (4, None) for name in ("bubble_volume", "bubble_radius")}
 ARRAYS |= {f"bubble_life.{name}": ((3, 4), None) for name in ("position", "velocity")}
 #: Lattice points of ghosts.
-ARRAYS |= {"ghosts.ghost_state": (4096, np.int32)}
+ARRAYS |= {"ghosts.ghost_state": (4096, np.int32), "viscous.viscous_block": ((6, 4), None)}
 #: Node fields of a terrain grid.
 ARRAYS |= {"terrain.terrain": (99, None), "terrain.field": (99, None), "flood_motion.terrain_wall": (99, None)}
 ARRAYS |= {"flood_forces.terrain": (99, None), "flood_control.terrain": (99, None)}
@@ -90,6 +93,17 @@ NUMBERS = {
     ("polar._add_if", "total"): 4,
     ("polar._add_if", "v"): 4,
     ("polar._add_if", "q"): 4,
+    ("polar.eigen", "J"): 6,
+    ("apic.pseudo_inverse", "D"): 6,
+    ("apic._product", "A"): 9,
+    ("apic._product", "B"): 9,
+    ("apic.deformation", "C"): 9,
+    ("apic.relaxed", "C"): 9,
+    ("apic.relaxed", "b"): 6,
+    ("apic.pull", "b"): 6,
+    ("apic.pull", "D"): 6,
+    ("apic.about_centre", "m"): 3,
+    ("apic.about_centre", "D"): 6,
     ("polar.solve_inertia", "J"): 6,
     ("polar.solve_inertia", "L"): 3,
     ("polar._dot", "a"): 3,

@@ -1,0 +1,78 @@
+"""Measures of a dripping thread that every method is judged by: area, folds, compression."""
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+
+def area(x, spacing, finest=8):
+    """Return the area [m^2] of the plane that particles x (n, 2) fill: closed at 0.9 spacings, less the margin of half a spacing.
+
+    Closing (dilation by 0.9 spacings, erosion by 0.4) leaves a lattice its own area whatever its outline, so that a thread
+    that folds does not seem to shrink; voids narrower than 1.8 spacings count as liquid.
+    """
+    pixel = spacing / finest
+    low = x.min(axis=0) - 3 * spacing
+    shape = np.ceil((x.max(axis=0) + 3 * spacing - low) / pixel).astype(int) + 1
+    if not np.isfinite(shape).all() or shape.prod() > 40_000_000:
+        return np.nan
+    empty = np.ones(shape, bool)
+    cells = np.round((x - low) / pixel).astype(int)
+    empty[cells[:, 0], cells[:, 1]] = False
+    wet = distance_transform_edt(empty) <= 0.9 * finest
+    return float((distance_transform_edt(wet) > 0.4 * finest).sum() * pixel**2)
+
+
+class Landing:
+    """Where and when layers of a thread come to rest: the lateral position of its axis at the plate, over time.
+
+    Args:
+        per_layer: particles in a layer of the nozzle.
+        speed: of the nozzle [m/s]; a layer has landed when it falls at less than a third of it.
+        outlet: height of the nozzle [m]; a layer is looked at below 0.9 of it.
+    """
+
+    def __init__(self, per_layer, speed, outlet):
+        self.per_layer, self.speed, self.outlet = per_layer, speed, outlet
+        self.found = {}  # layer: (time, lateral position)
+
+    def look(self, time, number, x, v):
+        """Note the layers that have landed by now; x, v (n, 2) of particles that entered as the ``number``-th ones."""
+        layer = number // self.per_layer
+        count = np.maximum(np.bincount(layer), 1e-9)
+        height, lateral, fall = (np.bincount(layer, a) / count for a in (x[:, 1], x[:, 0], v[:, 1]))
+        whole = count > 0.5 * self.per_layer
+        for k in np.flatnonzero(whole & (fall > -self.speed / 3) & (height < 0.9 * self.outlet)):
+            self.found.setdefault(int(k), (time, float(lateral[k])))
+
+    def line(self):
+        """Return (times, lateral positions) in order of landing."""
+        rows = np.array(sorted(self.found.values())).reshape(-1, 2)
+        return rows[:, 0], rows[:, 1]
+
+
+def folds(times, lateral, least):
+    """Return (number of reversals of the lateral motion, their frequency in full periods [Hz]).
+
+    A reversal counts when the axis has come back by ``least`` [m] from its farthest point.
+    """
+    turns, way = [], 0
+    if len(lateral) == 0:
+        return 0, np.nan
+    far, when = lateral[0], times[0]
+    for t, x in zip(times, lateral):
+        if way == 0:
+            if abs(x - lateral[0]) >= least:
+                way, far, when = int(np.sign(x - lateral[0])), x, t
+        elif way * (x - far) > 0:
+            far, when = x, t
+        elif way * (far - x) >= least:
+            turns.append(when)
+            way, far, when = -way, x, t
+    rate = (len(turns) - 1) / 2 / (turns[-1] - turns[0]) if len(turns) > 1 and turns[-1] > turns[0] else np.nan
+    return len(turns), rate
+
+
+def compression(ratio):
+    """Return (mean, largest) excess of density over the rest density."""
+    over = np.maximum(ratio - 1, 0)
+    return float(over.mean()), float(over.max())
