@@ -31,13 +31,12 @@ def dam_break(edge, support, iterations):
     return bench.dam_break(edge**3, support, iterations)
 
 
-def peer(edge, iterations, warm, steps, threads):
-    """Return the figures of SPlisHSPlasH as a dict, or ``{"absent": why}``.
+def ask_peer(*given):
+    """Return the figures of SPlisHSPlasH for the arguments of `_splish` as a dict, or ``{"absent": why}``.
 
     In a process of its own: where its window libraries do not fit the system's, importing it ends the process.
     """
     python = os.environ.get("SPLISH_PYTHON", sys.executable)
-    given = [edge, SPACING, DT, iterations, warm, steps, threads]
     script = pathlib.Path(__file__).with_name("_splish.py")
     try:
         done = subprocess.run([python, str(script), *map(str, given)], capture_output=True, text=True, timeout=3600)
@@ -64,7 +63,7 @@ def run(out, quick=False, say=print):
                     kept = ("step_ms", "step_ms_best", "liquid", "particles", "neighbours", "n_sub", "precision")
                     _keep(file, "melt", edge, support, J, {k: found[k] for k in kept}, say)
             for J in ITERATIONS if not missing else ():
-                found = peer(edge, J, warm, steps, threads)
+                found = ask_peer(edge, SPACING, DT, J, warm, steps, threads)
                 missing = found.pop("absent", "")
                 if missing:
                     say(f"SPlisHSPlasH is absent: {missing}")

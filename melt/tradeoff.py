@@ -12,7 +12,7 @@ from typing import NamedTuple
 import h5py
 import numpy as np
 
-from melt import tradeoff_boiling, tradeoff_flood
+from melt import tradeoff_boiling, tradeoff_flood, tradeoff_slime
 from melt.errors import MeltError
 from melt.forecast import forecast
 from melt.geometry.build import build
@@ -101,6 +101,8 @@ def _curves(sim):
         return tradeoff_flood.curves(sim)
     if sim.prepared.need.boiling:
         return tradeoff_boiling.curves(sim)
+    if sim.prepared.need.incompressible:
+        return tradeoff_slime.curves(sim)
     values = sim.series()
     phase, x, m = sim.read("phase"), sim.read("position")[:, 2].astype(float), sim.read("mass").astype(float)
     mobile, solid, dx = phase <= 1, phase == 1, sim.scene.spacing
@@ -160,6 +162,8 @@ def knobs_of(scene):
         return knobs + tradeoff_flood.knobs_of(scene)
     if scene.boiling:
         return knobs + tradeoff_boiling.KNOBS
+    if scene.incompressible:
+        return tradeoff_slime.knobs_of(scene)
     if scene.solver.motion:
         knobs += MECHANICS
         knobs += SOLIDS if scene.solid else []
@@ -188,14 +192,17 @@ def run(name, out=None, steps=None, knobs=None, say=print):
         (list of `Point`, list of error names).
     """
     scene = load_scene(name)
-    steps = steps or min(scene.time.steps, 100)
+    steps = steps or (tradeoff_slime.steps_of(scene) if scene.incompressible else min(scene.time.steps, 100))
     reference = [o for o in REFERENCE if (scene.heat or not o.startswith("heat"))]
     if scene.boiling:
         reference = tradeoff_boiling.REFERENCE
     if scene.kind == "flood":
         reference = tradeoff_flood.reference_of(scene)
+    if scene.incompressible:
+        reference = tradeoff_slime.reference_of(scene)
     knobs = knobs or knobs_of(scene)
-    say(f"{name}: {steps} outer steps of {scene.time.dt:g} s; reference run: {', '.join(reference)}")
+    dt = load_scene(name, reference).time.dt
+    say(f"{name}: {steps} outer steps of {dt:g} s; reference run: {', '.join(reference)}")
     say(expected([load_scene(name, overrides) for overrides in (reference, *(k[2] for k in knobs))], steps))
     truth, ms, n_sub, _ = sample(load_scene(name, reference), steps)
     errors = [e for e in truth]

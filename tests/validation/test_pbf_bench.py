@@ -31,9 +31,9 @@ def test_peer_is_read_from_its_last_words(tmp_path, monkeypatch):
         (tmp_path / name).write_text(f"#!/bin/sh\n{body}\n")
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("SPLISH_PYTHON", str(tmp_path / "good"))
-    assert bench.peer(2, 4, 1, 1, 1) == figures
+    assert bench.ask_peer(2, bench.SPACING, bench.DT, 4, 1, 1, 1) == figures
     monkeypatch.setenv("SPLISH_PYTHON", str(tmp_path / "bad"))
-    assert bench.peer(2, 4, 1, 1, 1) == {"absent": "lost (exit -11)"}
+    assert bench.ask_peer(2, bench.SPACING, bench.DT, 4, 1, 1, 1) == {"absent": "lost (exit -11)"}
 
 
 def test_costs_per_iteration_and_ratios(tmp_path):
@@ -51,7 +51,7 @@ def test_costs_per_iteration_and_ratios(tmp_path):
 
 
 def test_both_simulate_the_same_column():
-    scene, theirs = bench.dam_break(12, 2.5, 10), _splish.scene(12, bench.SPACING, bench.DT, 10)
+    scene, theirs = bench.dam_break(12, 2.5, 10), _splish.scene(12, bench.SPACING, bench.DT, "pbf")
     block = theirs["FluidBlocks"][0]
     # their blocks leave out a particle at each end
     low, high = block["start"][0] + bench.SPACING, block["end"][0] - bench.SPACING

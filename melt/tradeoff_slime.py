@@ -1,0 +1,101 @@
+"""Knobs and errors of the trade-off of incompressible and viscous liquids. Slime spec 8.
+
+All runs share outer steps four sub-steps of the scene's dt long, so that curves of any sub-step are compared at the same times.
+A nozzle is brought near the floor: a thread folds within the first 0.4 s instead of falling most of the time.
+"""
+
+import numpy as np
+
+SUBS = 4
+SPAN = 0.4  # s of a thread; what falls or collapses is over at its own end
+KNOBS = [
+    ("sub-step", "x 0.5", ["time.n_sub=8"]),
+    ("sub-step", "x 2", ["time.n_sub=2"]),
+    ("sub-step", "x 4", ["time.n_sub=1"]),
+    ("semi-Lagrangian", "x 1", ["solver.dfsph.semi_lagrangian=true"]),
+    ("semi-Lagrangian", "x 2", ["solver.dfsph.semi_lagrangian=true", "time.n_sub=2"]),
+    ("semi-Lagrangian", "x 4", ["solver.dfsph.semi_lagrangian=true", "time.n_sub=1"]),
+    ("density tolerance", "1e-3", ["solver.dfsph.density_tolerance=1e-3"]),
+    ("density tolerance", "1e-5", ["solver.dfsph.density_tolerance=1e-5", "solver.dfsph.max_iterations=1000"]),
+    ("divergence tolerance", "1e-2", ["solver.dfsph.divergence_tolerance=1e-2"]),
+    ("divergence tolerance", "1e-4", ["solver.dfsph.divergence_tolerance=1e-4", "solver.dfsph.max_iterations=1000"]),
+    ("momentum", "off", ["solver.dfsph.accelerate=false"]),
+    ("warm start", "0", ["solver.dfsph.warm_start=0"]),
+    ("warm start", "0.5", ["solver.dfsph.warm_start=0.5"]),
+    ("support h/dx", "2.0", ["solver.support=2.0"]),
+    ("support h/dx", "2.4", ["solver.support=2.4"]),
+    ("support h/dx", "3.0", ["solver.support=3.0"]),
+    ("precision", "single", ["solver.precision=single"]),
+    ("precision", "double", ["solver.precision=double"]),
+    ("APIC per axis", "1", ["solver.apic.per_axis=1"]),
+    ("APIC per axis", "2", ["solver.apic.per_axis=2"]),
+    ("APIC per axis", "3", ["solver.apic.per_axis=3"]),
+    ("APIC, share of FLIP", "0.9", ["solver.apic.flip=0.9"]),
+]
+POISSON = [
+    ("Poisson tolerance", "1e-2", ["solver.dfsph.poisson_tolerance=1e-2"]),
+    ("Poisson tolerance", "1e-6", ["solver.dfsph.poisson_tolerance=1e-6", "solver.dfsph.poisson_iterations=2000"]),
+]
+VISCOUS = [
+    ("viscosity tolerance", "1e-2", ["viscosity.tolerance=1e-2"]),
+    ("viscosity tolerance", "1e-6", ["viscosity.tolerance=1e-6"]),
+    ("Stokes", "split", ["viscosity.stokes=split"]),
+    ("Stokes", "al", ["viscosity.stokes=al"]),
+    ("gamma", "1", ["viscosity.gamma=1"]),
+    ("gamma", "30", ["viscosity.gamma=30"]),
+    ("outer", "1", ["viscosity.outer=1"]),
+    ("outer", "4", ["viscosity.outer=4"]),
+]
+TIGHT = [
+    "time.n_sub=8", "solver.precision=double", "solver.dfsph.density_tolerance=1e-5", "solver.dfsph.divergence_tolerance=1e-5",
+    "solver.dfsph.poisson_tolerance=1e-6", "solver.dfsph.max_iterations=2000", "solver.dfsph.poisson_iterations=2000",
+]
+
+
+def base_of(scene):
+    """Return the overrides that all runs share."""
+    base = [f"time.dt={SUBS * scene.time.dt!r}", f"time.n_sub={SUBS}", f"time.end={steps_of(scene) * SUBS * scene.time.dt!r}"]
+    for k, nozzle in enumerate(scene.inflow):
+        x, y, _ = nozzle.position
+        low = scene.domain.lower[2] + 5 * nozzle.radius
+        base += [f"inflow.{k}.position=[{x!r}, {y!r}, {low!r}]"]
+    return base
+
+
+def steps_of(scene):
+    """Return the outer steps of a run."""
+    span = min(scene.time.end, SPAN) if scene.inflow else scene.time.end
+    return max(1, int(span / (SUBS * scene.time.dt)))
+
+
+def knobs_of(scene):
+    """Return all knobs that make a difference in a scene."""
+    knobs = KNOBS + (POISSON if scene.solver.pressure != "dfsph" else []) + (VISCOUS if scene.viscosity else [])
+    if scene.solver.apic is not None:
+        knobs = [*knobs, ("APIC", "off", ["solver.apic=none"])]
+    if scene.solver.ghosts is None:
+        knobs = [*knobs, ("air ghosts", "on", ["solver.ghosts.fill=0.5"])]
+    else:  # the Poisson equation has no surface without them
+        knobs = [*knobs, ("air ghosts", "off, dfsph", ["solver.ghosts=none", "solver.pressure=dfsph"])]
+    base = base_of(scene)
+    return [("default", "-", base), *((knob, value, base + overrides) for knob, value, overrides in knobs)]
+
+
+def reference_of(scene):
+    """Return the overrides of the run that others are compared with: half the sub-step, tight solves, double precision."""
+    tight = TIGHT + (["viscosity.tolerance=1e-6", "viscosity.outer=4"] if scene.viscosity else [])
+    return base_of(scene) + tight
+
+
+def curves(sim):
+    """Return the figures of now, lengths in spacings; "density ..." are errors themselves."""
+    dx, liquid = sim.scene.spacing, sim.read("phase") == 0
+    x = sim.read("position")[liquid].astype(float)
+    found = {"height": float(x[:, 2].mean() / dx)}
+    if sim.scene.inflow:
+        found["axis"] = float(np.hypot(*x[:, :2].mean(axis=0)) / dx) if sim.scene.domain.dimensions == 3 else float(x[:, 0].mean() / dx)
+        found["tip"] = float(np.quantile(x[:, 2], 0.02) / dx)
+    else:
+        found["front"] = float(np.quantile(x[:, 0], 0.98) / dx)
+    found["density error"] = sim.series().get("density_error_mean", np.nan)
+    return found
