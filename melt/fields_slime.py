@@ -58,7 +58,7 @@ TABLE = [
     ("velocity_kept", "3 particle", "real", "m/s", "speed", "velocity at the start of the sub-step"),
     ("node_state", "particle", "int", "1", "", "1 for a node without mass, which takes part in nothing"),
     ("driver", "particle", "int", "1", "", "moving body of a driven particle, -1 for none"),
-    ("driver_motion", "9 driver", "real", "m/s, 1/s, m", "speed", "velocity, spin and centre of a moving body"),
+    ("driver_motion", "10 driver", "real", "m/s, 1/s, m, s", "speed", "velocity, spin, centre of a moving body, and k of its turn"),
     ("nozzle_place", "8 nozzle", "real", "m", "spacing",
      "centre of the outlet (3), direction (3), length and radius within which liquid is held"),
     ("nozzle_speed", "nozzle", "real", "m/s", "speed", "speed of the liquid in it"),

@@ -153,7 +153,7 @@ def settings_of(scene, initial, sound_speed, precision):
         chosen.heat_tolerance = heat.tolerance or (1e-8 if precision == "double" else 1e-5)
         chosen.heat_iterations = heat.max_iterations
     if scene.incompressible:
-        vars(chosen).update(slime_plan.settings_of(scene, initial, precision))
+        vars(chosen).update(slime_plan.settings_of(scene, initial))
     return chosen
 
 

@@ -40,9 +40,7 @@ LIST = [
     stage("total_pressure", "dfsph", "slime 2.10",
            "density_impulse divergence_impulse poisson_pressure viscous_pressure", "dt",
            "pressure", FEW),
-    # ---- S14: nodes that are moved; surface tension
-    stage("node_shift", "surface_pressure", "slime 2.12", f"velocity_kept dfsph_factor density_ratio {PAIRS} position velocity",
-           "smoothing shift", "position velocity", SUM, partial=True),
+    # ---- S13: surface tension
     stage("surface_normal", "surface_pressure", "slime 2.13", f"dfsph_factor {PAIRS}", "smoothing", "surface_normal", SHARE),
     stage("surface_pressure", "surface_pressure", "slime 2.9, 2.13", f"position surface_normal {PAIRS}", "smoothing period sigma",
            "surface_pressure", SHARE),

@@ -39,7 +39,7 @@ def _motion(arrays, rng):
     return dict(
         phase=np.where(moving, DRIVEN, phase),
         driver=np.where(moving, rng.integers(-1, 2, n), -1),
-        driver_motion=rng.normal(size=(9, 2)),
+        driver_motion=rng.normal(size=(10, 2)),
         nozzle_place=place.T,
         nozzle_speed=np.array([0.7, -0.4]),
         apic_phase=np.where(rng.random(601) < 0.1, 5, 0),

@@ -75,7 +75,7 @@ def poisson_start(
                     + pair_gradient[2, i, k] * (w_i - velocity[2, j])
                 )
                 total += pair_poisson[i, k] * (p_i - poisson_pressure[j])
-            s = completed_ratio[i]
+            s = max(completed_ratio[i], real(0.5))
             lack = poisson.pull * min(real(0), s - real(1)) / dt
             b = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt) - shift
             if surface_pressure.shape[0] > 0:
@@ -109,6 +109,7 @@ def poisson_acceleration(
             x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
             if mobility[i] > real(0):
                 p = solver_pressure[i]
+                most = max(p, real(0))
                 twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
                 for k in range(np.uint64(neighbour_count[i])):
                     j = np.uint64(neighbour_index[i, k])
@@ -118,6 +119,7 @@ def poisson_acceleration(
                         + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
                         + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
                     )
+                    below = max(-most, min(below, most))
                     both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below) - twice
                     x += both * pair_gradient[0, i, k]
                     y += both * pair_gradient[1, i, k]
@@ -139,6 +141,6 @@ def poisson_finish(density_ratio, completed_ratio, poisson_diagonal, poisson, po
             p = poisson_pressure[i] if wet else real(0)
             cut = (poisson.clamp == 1) | (density_ratio[i] < poisson.full_share)
             p = max(p, real(0)) if cut else p
-            s = completed_ratio[i] if wet else real(1)
+            s = max(completed_ratio[i], real(0.5)) if wet else real(1)
             poisson_pressure[i] = p
             solver_pressure[i] = p / (s * s)

@@ -39,9 +39,11 @@ def _drive(phase, driver, position, driver_motion, velocity):
         y = real(position[1, i] - wide(driver_motion[7, b]))
         z = real(position[2, i] - wide(driver_motion[8, b]))
         p, q, r = driver_motion[3, b], driver_motion[4, b], driver_motion[5, b]
-        velocity[0, i] = driver_motion[0, b] + (q * z - r * y)
-        velocity[1, i] = driver_motion[1, b] + (r * x - p * z)
-        velocity[2, i] = driver_motion[2, b] + (p * y - q * x)
+        u, v, w = q * z - r * y, r * x - p * z, p * y - q * x
+        k = driver_motion[9, b]
+        velocity[0, i] = driver_motion[0, b] + (u + k * (q * w - r * v))
+        velocity[1, i] = driver_motion[1, b] + (v + k * (r * u - p * w))
+        velocity[2, i] = driver_motion[2, b] + (w + k * (p * v - q * u))
 
 
 def drive(phase, driver, position, driver_motion, velocity):

@@ -4,7 +4,7 @@ r"""ISPH pressure Poisson equation: its matrix, right-hand side and result. Slim
     S p = V [\dot s/(s dt) + \beta min(0, s - 1)/dt^2] \rho_0,  F = -W'(r)/r,
 
 over particles with a pressure; s is the density ratio completed by ghosts, V = volume/max(s, 1/2), and
-\lambda the ghosts' sum, whose pressure mirrors p in p = 0 half-way. Walls act through \dot s alone.
+\lambda the ghosts' sum, whose pressure mirrors p in p = 0 half-way. Walls mirror velocity and carry what water at rest would.
 """
 
 import numpy as np
@@ -55,6 +55,7 @@ def poisson_start(
 ):
     r"""Write residual r = b - S p, direction z = r/diagonal, and the partial sums of r.z, r, particles, r.r and b.b.
 
+    s is taken as at least 1/2 throughout, for nodes at the rim that hold next to nothing.
     b_i = V_i \rho_0 [\dot s_i/(s_i dt) + pull min(0, s_i - 1)/dt^2], \dot s_i = sum_j c_j g_ij.(v_i - v_j) over all
     neighbours, minus ``shift``, which makes the sum of b vanish where no surface fixes the pressure; c_j = 2 for walls and
     all else without a pressure: their velocity is mirrored, 2 v_b - v_i, so that all of the flow into the wall counts.
@@ -71,7 +72,7 @@ def poisson_start(
         poisson_residual[i] = poisson_direction[i] = 0
         if not poisson_diagonal[i] > 0:
             continue
-        s = float(completed_ratio[i])
+        s = max(float(completed_ratio[i]), 0.5)
         mirror = np.where(poisson_diagonal[near] > 0, 1.0, 2.0)
         rate = (mirror * pair_gradient[:, i, : len(near)].astype(float) * (v[:, i, None] - v[:, near])).sum()
         b[i] = V[i] * float(poisson.rest_density) * (rate / s / dt + float(poisson.pull) * min(0.0, s - 1) / dt**2)
@@ -95,7 +96,7 @@ def poisson_acceleration(
 ):
     """Write a_i = -mobility_i V_i sum_j (p_i + p_j) g_ij, p_j = p_i + rho_0 g.(x_j - x_i) for walls and all else without a pressure.
 
-    The pressure in a wall is what water at rest would have there (Adami et al. 2012): with p_j = p_i alone the lowest
+    The pressure in a wall is what water at rest would have there (Adami et al. 2012), within 0 and 2 p_i: with p_j = p_i alone the lowest
     layer keeps half of its weight. Tangential velocities take no part, or walls would brake. With surface tension the
     ghosts' share, -2 p_s sum_g V_g grad W, is 2 p_s sum_j g_ij, as all gradients together sum to zero.
     Reads: position (3, n) [m], volume (n,) [m^3], mobility (n,) [1/kg], poisson_diagonal (n,) [m] (0: no pressure), solver_pressure (n,)
@@ -105,7 +106,8 @@ def poisson_acceleration(
     gravity = np.array([fluid.gravity_x, fluid.gravity_y, fluid.gravity_z], float)
     for i, near in rows(neighbour_count, neighbour_index):
         d = nearest(position[:, near].astype(float) - position[:, i, None].astype(float), period)
-        other = np.where(poisson_diagonal[near] > 0, p[near], p[i] + float(poisson.rest_density) * (gravity @ d))
+        below, most = float(poisson.rest_density) * (gravity @ d), max(p[i], 0.0)
+        other = np.where(poisson_diagonal[near] > 0, p[near], p[i] + np.clip(below, -most, most))
         g = pair_gradient[:, i, : len(near)].astype(float)
         p_s = float(surface_pressure[i]) if len(surface_pressure) else 0.0
         pressure_acceleration[:, i] = -w[i] * V[i] * (g * (p[i] + other - 2 * p_s)).sum(axis=1) if w[i] > 0 else 0.0
@@ -120,6 +122,6 @@ def poisson_finish(density_ratio, completed_ratio, poisson_diagonal, poisson, po
     p = np.where(poisson_diagonal > 0, poisson_pressure.astype(float), 0.0)
     cut = (density_ratio < poisson.full_share) | (poisson.clamp == 1)
     p = np.where(cut, np.maximum(p, 0), p)
-    s = np.where(poisson_diagonal > 0, completed_ratio.astype(float), 1.0)
+    s = np.where(poisson_diagonal > 0, np.maximum(completed_ratio.astype(float), 0.5), 1.0)
     poisson_pressure[:] = p
     solver_pressure[:] = p / s**2

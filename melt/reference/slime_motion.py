@@ -23,14 +23,17 @@ def restore_motion(position_kept, velocity_kept, position, velocity):
 
 
 def drive(phase, driver, position, driver_motion, velocity):
-    """Write V + Omega x (x - c) of driven particles (phase 7) that belong to a moving body.
+    """Write V + Omega x r + k Omega x (Omega x r), r = x - c, of driven particles (phase 7) that belong to a moving body.
 
-    Reads: phase (n,), driver (n,): the body or -1, position (3, n) [m], driver_motion (9, bodies): velocity [m/s],
-        spin [1/s], centre [m]. Writes: velocity (3, n) [m/s], of those alone.
+    With Omega and k of `melt.slime.motion` it is the chord of the turn of a sub-step: r keeps its length.
+
+    Reads: phase (n,), driver (n,): the body or -1, position (3, n) [m], driver_motion (10, bodies): velocity [m/s],
+        spin [1/s], centre [m], k [s]. Writes: velocity (3, n) [m/s], of those alone.
     """
     for i in np.flatnonzero((phase == 7) & (driver >= 0)):
         body = driver_motion[:, driver[i]].astype(np.float64)
-        velocity[:, i] = body[:3] + np.cross(body[3:6], position[:, i].astype(np.float64) - body[6:])
+        turn = np.cross(body[3:6], position[:, i].astype(np.float64) - body[6:9])
+        velocity[:, i] = body[:3] + turn + body[9] * np.cross(body[3:6], turn)
 
 
 def nozzle_hold(phase, position, nozzle_place, nozzle_speed, held, velocity):

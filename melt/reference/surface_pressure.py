@@ -1,4 +1,4 @@
-r"""Pressure of surface tension at the free surface, and the shift of nodes. Slime spec 2.9, 2.12, 2.13.
+r"""Pressure of surface tension at the free surface. Slime spec 2.9, 2.13.
 
 The normal is the gradient of the fill, G_i = \sum_j g_ij, which points into the liquid; it means something where
 |G| h > 0.1, the outer two layers. Curvature is \kappa_i = \sum_j (n_i - n_j).g_ij over neighbours with a normal, divided
@@ -52,29 +52,3 @@ def surface_pressure(
 
 
 SHARE = 0.1  # of the kernel: with fewer neighbours there is no curvature
-
-
-def node_shift(
-    velocity_kept, dfsph_factor, density_ratio, neighbour_count, neighbour_index, pair_gradient, smoothing, shift, position, velocity,
-):
-    r"""Move nodes towards where there are few, \delta = -shift h^2 \sum_j g_ij, and give them the velocity that is there.
-
-    v(x + \delta) = v + (\nabla v) \delta with \nabla v = \sum_j (v_j - v_i) g_ij^T of the velocities at the start of the
-    sub-step: the bracket of spec 2.12, exact for affine fields. Only inside, density_ratio >= 0.95.
-    Reads: velocity_kept (3, n) [m/s], dfsph_factor (n,) [kg/m], density_ratio (n,), the lists, pair_gradient (3, n, m) [1/m].
-    Writes: position (3, n) [m], velocity (3, n) [m/s].
-    """
-    v, h = velocity_kept.astype(float), float(smoothing.support)
-    for i, near in rows(neighbour_count, neighbour_index):
-        if not dfsph_factor[i] > 0 or not density_ratio[i] >= INSIDE:
-            continue
-        g = pair_gradient[:, i, : len(near)].astype(float)
-        delta = -float(shift) * h**2 * g.sum(axis=1)
-        size = np.sqrt((delta**2).sum())
-        delta *= min(1.0, FARTHEST * h / size) if size > 0 else 1.0
-        position[:, i] += delta
-        velocity[:, i] += (v[:, near] - v[:, i, None]) @ (g.T @ delta)
-
-
-INSIDE = 0.95
-FARTHEST = 0.05  # in support radii

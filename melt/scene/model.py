@@ -241,6 +241,8 @@ class Scene(Section):
             "[elastic]": self.elastic is not None,
             "domain.dimensions = 2": self.domain.dimensions == 2,
             "domain.periodic": bool(self.domain.periodic),
+            "fluid.central": self.fluid.central > 0,
+            "fluid.jitter": self.fluid.jitter > 0,
             "fluid.sigma": self.fluid.sigma > 0,
             "[fluid.flow]": self.fluid.flow is not None,
             "obstacle.velocity, spin or motion": any(o.moves for o in self.obstacle),

@@ -55,8 +55,6 @@ class Incompressible(Section):
     """Solve the forces of a sub-step where the particles arrive, which allows longer sub-steps."""
     arrivals: Annotated[int, Field(ge=1, le=5)] = 3
     """Times at most that the place of arrival is predicted in a sub-step."""
-    node_shift: Annotated[quantity("number", at_least=0, at_most=0.2), Field()] = 0.0
-    """With semi_lagrangian: move nodes towards where there are few, by this times h^2 times the gradient of the fill."""
     on_fail: Literal["retry", "raise", "warn"] = "retry"
     """A solve that has not converged: try the sub-step again in two halves, stop the run, or mark the frame and go on."""
     retries: Annotated[int, Field(ge=0, le=6)] = 3
@@ -105,7 +103,7 @@ class Viscosity(Section):
     """Implicit viscosity ([viscosity])."""
 
     mu: DynamicViscosity = 10.0
-    """Dynamic viscosity in Pa s (not kinematic); at reference_temperature, and at a shear rate of 1/s if index < 1."""
+    """Dynamic viscosity in Pa s (not kinematic); at reference_temperature, and at a shear rate of 1/s unless index is 1."""
     law: Literal["constant", "arrhenius", "exponential"] = "constant"
     """How it falls with temperature: mu exp(E/R (1/T - 1/T0)), or mu exp(-rate (T - T0))."""
     activation_temperature: NonNegative = 0.0
@@ -140,6 +138,8 @@ class Viscosity(Section):
 
     @model_validator(mode="after")
     def _capped(self):
+        if self.mu == 0 and self.yield_stress > 0:
+            raise ValueError("yield_stress needs a viscosity beside it: give mu (the caps smallest and largest follow from it)")
         if self.smallest is None:
             self.smallest = 1e-3 * self.mu
         if self.largest is None:
@@ -188,6 +188,8 @@ def check_incompressible(scene):
         "solver.integration = kdk": s.integration == "kdk",
         "solver.kernel = mueller (use cubic or wendland2)": s.kernel == "mueller",
         "boiling ([boiling])": scene.boiling is not None,
+        "heat.volume = current": scene.heat is not None and scene.heat.volume == "current",
+        "fluid.viscosity = laminar without solids (use [viscosity])": f.viscosity == "laminar" and f.mu > 0 and not scene.solid,
     }
     if wanted := [name for name, here in refused.items() if here]:
         raise ValueError(f"solver.pressure = {s.pressure} works without {', '.join(wanted)}")
@@ -198,6 +200,12 @@ def check_incompressible(scene):
             "[solver.ghosts]": s.ghosts is not None,
             "solver.pressure = isph or hybrid (use dfsph)": s.pressure != "dfsph",
             "solver.dfsph.semi_lagrangian": s.dfsph.semi_lagrangian,
+            "solver.dfsph.order = bk": s.dfsph.order == "bk",
+            "domain.periodic": bool(scene.domain.periodic),
+            "domain.dimensions = 2": scene.domain.dimensions == 2,
+            "inflow.hold": any(nozzle.hold > 0 for nozzle in scene.inflow),
+            "obstacles that move": any(o.moves for o in scene.obstacle),
+            "fluid.jitter": f.jitter > 0,
         }
         if wanted := [name for name, here in with_solids.items() if here]:
             raise ValueError(f"scenes with solids have no {', '.join(wanted)} yet")
@@ -207,8 +215,6 @@ def check_incompressible(scene):
         raise ValueError("fluid.sigma is a pressure at the air ghost particles: set pressure = isph or hybrid, and add [solver.ghosts]")
     if f.sigma > 0 and f.surface_tension > 0:
         raise ValueError("fluid.sigma and fluid.surface_tension are two models of one thing: give one of them")
-    if s.dfsph.node_shift > 0 and not s.dfsph.semi_lagrangian:
-        raise ValueError("solver.dfsph.node_shift moves nodes away from their own path: set semi_lagrangian = true")
     if scene.elastic is not None and s.apic is None:
         raise ValueError("[elastic] lives on APIC particles: add [solver.apic]")
     if s.apic is not None and scene.heat is not None:

@@ -42,9 +42,16 @@ class Body(NamedTuple):
 
 
 def motion_of(bodies, time, dt):
-    """Return `driver_motion` (9, b) that brings the bodies from ``time`` to ``time + dt`` exactly: mean velocity, spin, centre."""
+    """Return `driver_motion` (10, b) that brings the bodies from ``time`` to ``time + dt`` exactly.
+
+    Mean velocity, spin, centre, and k: of a turn by a = |spin| dt the chord is Omega x r + k Omega x (Omega x r) with
+    Omega = spin sin(a)/a and k = (1 - cos a)/(dt |Omega|^2). Without it a body that spins grows in every step.
+    """
     rows = []
     for body in bodies:
         start, stop = body.shift(time), body.shift(time + dt)
-        rows.append(np.concatenate([(stop - start) / dt, body.spin, body.centre + start]))
-    return np.array(rows).T.reshape(9, len(bodies))
+        angle = float(np.linalg.norm(body.spin)) * dt
+        spin = body.spin * np.sinc(angle / np.pi)
+        k = (1 - np.cos(angle)) / (dt * (spin @ spin)) if spin.any() else 0.0
+        rows.append(np.concatenate([(stop - start) / dt, spin, body.centre + start, [k]]))
+    return np.array(rows).T.reshape(10, len(bodies))

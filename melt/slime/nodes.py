@@ -14,12 +14,15 @@ APART, CLOSE = 0.7, 0.3  # spacings: a new node keeps this distance; of two clos
 
 
 def tend(do):
-    """Delete nodes without mass and the second of two in one place; give orphans a node. Every `EVERY` outer steps."""
+    """Delete nodes without mass and the second of two in one place; give orphans a node; return whether one did.
+
+    Every `EVERY` outer steps.
+    """
     if do.recording:
         for name in ("apic_id", "apic_state", "node_state"):
             do.read(name)
     if do.clock.step % EVERY or do.recording:
-        return
+        return False
     orphans = np.asarray(do.read("apic_state")) == ORPHAN
     gone = _superfluous(do)
     if gone.size:
@@ -28,8 +31,10 @@ def tend(do):
         do.give("phase", phase)
         do.give("mass", mass)
         do.note("nodes_deleted", gone.size)
-    if orphans.any():
-        do.note("nodes_added", _add(do, np.flatnonzero(orphans)))
+    added = _add(do, np.flatnonzero(orphans)) if orphans.any() else 0
+    if added:
+        do.note("nodes_added", added)
+    return added > 0
 
 
 def _superfluous(do):
@@ -68,5 +73,10 @@ def _add(do, orphans):
     mass[slots] = 0  # until it gets its share
     for name, values in (("phase", phase), ("position", position), ("velocity", velocity), ("rest_volume", rest), ("mass", mass)):
         do.give(name, values)
+    for name in ("poisson_pressure", "viscous_pressure", "density_impulse", "divergence_impulse"):
+        if do.has(name):  # of whoever had the slot before
+            values = do.read(name)
+            values[slots] = 0
+            do.give(name, values)
     do.clock.active += slots.size
     return int(slots.size)

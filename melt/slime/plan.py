@@ -47,8 +47,6 @@ def needs_of(scene):
         # nothing is open: pressure is known but for a constant
         closed=len(scene.domain.periodic) == scene.domain.dimensions,
         tension=scene.fluid.sigma > 0,
-        node_shift=s.dfsph.node_shift > 0,
-        central=scene.fluid.central > 0,
     )
 
 
@@ -60,7 +58,7 @@ def stokes_of(scene):
     return "al" if v.mu * scene.time.dt / (scene.fluid.density * scene.support**2) > 0.1 else "split"
 
 
-def settings_of(scene, initial, precision):
+def settings_of(scene, initial):
     """Return the run-time choices of the page."""
     q, v, g = scene.solver.dfsph, scene.viscosity, np.linalg.norm(scene.domain.gravity)
     chosen = dict(
@@ -79,22 +77,18 @@ def settings_of(scene, initial, precision):
         gravity=float(g),
         bodies=[Body.of(o, k) for k, o in enumerate(o for o in scene.obstacle if o.moves)],
         apic_per_node=1 if scene.solver.apic is None else scene.solver.apic.per_axis**scene.domain.dimensions,
-        apic_capacity=initial["apic_id"].size if "apic_id" in initial else 0,
         node_volume=scene.particle_volume,
         sigma=scene.fluid.sigma,
-        node_shift=q.node_shift,
         capillary=2 * math.pi * scene.fluid.sigma / (scene.fluid.density * scene.spacing**3),
         elastic_speed=0.0 if scene.elastic is None else math.sqrt(scene.elastic.modulus / scene.fluid.density),
         design_speed=initial.top_speed,
         relax=RELAX if scene.fluid.jitter > 0 or scene.solver.apic is not None else 0,
     )
     if v is not None:
-        wide = precision == "double"
         chosen.update(
             outer=v.outer,
             viscous_tolerance=v.tolerance,
             viscous_iterations=v.max_iterations,
-            viscous_floor=0.0 if wide else 1e-6,
         )
     return chosen
 

@@ -205,10 +205,13 @@ def step_limits(do):
     """Return {bound: seconds} of the sub-step: none for viscosity or sound. Spec 2.12."""
     s, clock = do.settings, do.clock
     speed = max(clock.max_speed, getattr(s, "design_speed", 0.0) if clock.max_speed == 0 else 0.0, 1e-12)
+    for body in getattr(s, "bodies", ()):  # their reach is not known here: a turn counts by the affine bound
+        speed = max(speed, float(np.linalg.norm(body.speed(getattr(clock, "time", 0.0)))))
     limits = {"speed": s.courant * s.spacing / speed}
     if s.gravity > 0:
         limits["gravity"] = s.courant / 0.4 * 0.25 * math.sqrt(s.spacing / s.gravity)
-    affine = getattr(clock, "largest_affine", 0.0)
+    turns = [float(np.linalg.norm(body.spin)) for body in getattr(s, "bodies", ())]
+    affine = max([getattr(clock, "largest_affine", 0.0), *turns])
     if affine > 0:
         limits["affine"] = 0.5 * s.courant / 0.4 / affine
     if s.capillary > 0:

@@ -17,6 +17,8 @@ from melt.systems.heat import heat, start_heat
 from melt.systems.incompressible import step_limits, sub_steps, tally, tell  # noqa: F401  (step_limits: asked of every page)
 from melt.systems.melting import emit, grown, search, sort
 
+#: What a sub-step derives and later readers expect beside its particle after another sort.
+DERIVED = ("volume", "node_state", "held", "density_ratio", "completed_ratio", "viscosity")
 RELAX_STEP = 1e-5  # [s] so short that nothing falls in it; displacements do not depend on it
 
 
@@ -43,7 +45,9 @@ def relax(do):
     for _ in range(do.settings.relax):
         if do.need.apic:
             gather(do)
-        do.give("velocity", np.zeros_like(do.read("velocity")))
+        for name, _, _ in kept:
+            do.give(name, np.zeros_like(do.read(name)))
+        do.keep_motion()
         listed(do)
         if do.need.apic:
             do.reorder(("volume", "node_state"))
@@ -51,7 +55,6 @@ def relax(do):
             do.liquid_volume()
         solve.operators(do)
         solved = solve.density(do, RELAX_STEP, "density_ratio")
-        do.keep_motion()
         if do.need.apic:
             do.nodes_to_apic(dt=RELAX_STEP)
             do.apic_move(dt=RELAX_STEP)
@@ -86,12 +89,13 @@ def step(do, dt):
     if do.need.inflow:
         emit(do, dt)  # S1
     n_sub, sub_dt = sub_steps(do, dt)
-    do.clock.tally = {}
+    do.clock.tally, do.warning = {}, ""
     try:
         for _ in range(n_sub):
             advance(do, sub_dt, do.settings.retries)
         if do.need.heat:
             listed(do)  # the lists of the last sub-step name particles that have left since
+            do.reorder(DERIVED)
             heat(do, dt)
         report(do, dt)
     except NotFinite:  # the caller names what and where
@@ -118,11 +122,13 @@ def advance(do, dt, retries):
     if failed:
         if s.on_fail != "warn" and all(f.finite for f in failed):
             do.restore_motion()  # what is left is the state before this sub-step
+        forget_pressure(do)
         tell(do, dt, failed)
     if do.need.semi_lagrangian:
         do.restore_motion(velocity_kept="velocity")  # back to x^n, with v^(n+1)
         if do.need.apic:
             sort(do)
+            do.reorder(DERIVED)
     if do.need.apic:
         do.nodes_to_apic(dt=dt)  # S10: v^(n+1), C^(n+1)
         do.apic_move(dt=dt)  # S12
@@ -164,14 +170,14 @@ def forces(do, dt):
             do.advect(dt=dt)  # X_a = x^n + dt v of the last guess
             do.restore_motion(position_kept="position")  # v^n anew
         found = velocities(do, dt)
+        for f in found:
+            solve.told(do, f)
         if arrival + 1 < s.arrivals:
             do.slime_bounds(dt=dt)
             missed = float(np.asarray(do.read("slime_bounds"))[2].max())
             if missed <= 0.1 * s.support:
                 break
     do.note("arrivals", arrival + 1)
-    for f in found:
-        solve.told(do, f)
     return found
 
 
@@ -185,9 +191,6 @@ def velocities(do, dt):
         do.liquid_volume()
     boundaries(do, dt)
     solve.operators(do)  # S5b
-    if need.node_shift:
-        do.node_shift(shift=do.settings.node_shift)
-        solve.operators(do)
     if need.apic:
         do.massless_velocity()
     if need.ghosts:
@@ -220,7 +223,7 @@ def boundaries(do, dt):
     """Velocities that are given: of moving bodies, and of liquid inside a nozzle."""
     if do.need.drivers:
         do.give("driver_motion", motion_of(do.settings.bodies, do.clock.time, dt))
-        do.drive()
+        do.drive(position="position_kept")  # where they are at t^n, also while forces are solved at the arrival
     if do.need.nozzles:
         do.nozzle_hold()
 
@@ -265,4 +268,6 @@ def report(do, dt):
         orphans, mass, _ = np.asarray(do.read("apic_sums"), np.float64).sum(axis=1)
         do.note("orphans", int(orphans))
         do.note("orphan_mass", float(mass))
-        tend(do)  # S13
+        if tend(do):  # S13
+            sort(do)  # the next layer of a nozzle enters behind them
+            do.reorder(DERIVED)

@@ -37,7 +37,7 @@ def test_driven_body(backend, precision):
     x = np.array([[1, 1, 1], [2, 1, 1], [1, 3, 1], [1, 1, 1], [1, 1, 1]])
     a = some(
         precision, x, [7, 7, 7, 7, 2], driver=[0, 1, 1, -1, 0], velocity=np.full((3, 5), 9.0),
-        driver_motion=np.array([[1, 2, 3, 0, 0, 0, 0, 0, 0], [0.5, 0, 0, 0, 0, 2, 1, 1, 1]]).T,
+        driver_motion=np.array([[1, 2, 3, 0, 0, 0, 0, 0, 0, 0], [0.5, 0, 0, 0, 0, 2, 1, 1, 1, 0]]).T,
     )
     v = run("drive", backend, a, precision)["velocity"].T
     # the second body turns at 2/s about z through (1, 1): (1, 0) goes along y, (0, 2) against x

@@ -26,8 +26,8 @@ def right_poisson(parts, wet):
     given, v = parts["given"], parts["given"]["velocity"].T
     mirror = np.where(wet, 1.0, 2.0)[None, :, None]
     rate = (mirror * parts["g"] * (v[:, None] - v[None])).sum(axis=(1, 2))
-    s = given["completed_ratio"]
-    return parts["V"] / np.maximum(s, 0.5) * 1000 * (rate / s / DT + 0.02 * np.minimum(0, s - 1) / DT**2)
+    s = np.maximum(given["completed_ratio"], 0.5)
+    return parts["V"] / s * 1000 * (rate / s / DT + 0.02 * np.minimum(0, s - 1) / DT**2)
 
 
 def matrix_viscous(parts, gamma, wall=TUPLES["viscous"][1]["wall"]):
