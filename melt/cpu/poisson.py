@@ -109,7 +109,7 @@ def poisson_acceleration(
             x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
             if mobility[i] > real(0):
                 p = solver_pressure[i]
-                most = max(p, real(0))
+                most = real(6) * max(p, real(0))
                 twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
                 for k in range(np.uint64(neighbour_count[i])):
                     j = np.uint64(neighbour_index[i, k])

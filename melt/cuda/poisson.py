@@ -153,7 +153,7 @@ def _poisson_acceleration(
     x = y = z = real(0)
     if mobility[i] > real(0):
         p = solver_pressure[i]
-        most = max(p, real(0))
+        most = real(6) * max(p, real(0))
         twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
         for k in range(neighbour_count[i]):
             j = neighbour_index[i, k]

@@ -96,17 +96,19 @@ def poisson_acceleration(
 ):
     """Write a_i = -mobility_i V_i sum_j (p_i + p_j) g_ij, p_j = p_i + rho_0 g.(x_j - x_i) for walls and all else without a pressure.
 
-    The pressure in a wall is what water at rest would have there (Adami et al. 2012), within 0 and 2 p_i: with p_j = p_i alone the lowest
-    layer keeps half of its weight. Tangential velocities take no part, or walls would brake. With surface tension the
-    ghosts' share, -2 p_s sum_g V_g grad W, is 2 p_s sum_j g_ij, as all gradients together sum to zero.
+    The pressure in a wall is what water at rest would have there (Adami et al. 2012), off p_i by 6 p_i at most: with
+    p_j = p_i alone the lowest layer keeps half of its weight. Tangential velocities take no part, or walls would brake.
+    With surface tension the ghosts' share, -2 p_s sum_g V_g grad W, is 2 p_s sum_j g_ij, as all gradients together sum
+    to zero.
     Reads: position (3, n) [m], volume (n,) [m^3], mobility (n,) [1/kg], poisson_diagonal (n,) [m] (0: no pressure), solver_pressure (n,)
-        [Pa], the lists, pair_gradient (3, n, m) [1/m]. Writes: pressure_acceleration (3, n) [m/s^2].
+        [Pa], the lists, pair_gradient (3, n, m) [1/m].
+    Writes: pressure_acceleration (3, n) [m/s^2].
     """
     p, V, w = (a.astype(float) for a in (solver_pressure, volume, mobility))
     gravity = np.array([fluid.gravity_x, fluid.gravity_y, fluid.gravity_z], float)
     for i, near in rows(neighbour_count, neighbour_index):
         d = nearest(position[:, near].astype(float) - position[:, i, None].astype(float), period)
-        below, most = float(poisson.rest_density) * (gravity @ d), max(p[i], 0.0)
+        below, most = float(poisson.rest_density) * (gravity @ d), 6 * max(p[i], 0.0)
         other = np.where(poisson_diagonal[near] > 0, p[near], p[i] + np.clip(below, -most, most))
         g = pair_gradient[:, i, : len(near)].astype(float)
         p_s = float(surface_pressure[i]) if len(surface_pressure) else 0.0

@@ -81,6 +81,7 @@ def settings_of(scene, initial):
         sigma=scene.fluid.sigma,
         capillary=2 * math.pi * scene.fluid.sigma / (scene.fluid.density * scene.spacing**3),
         elastic_speed=0.0 if scene.elastic is None else math.sqrt(scene.elastic.modulus / scene.fluid.density),
+        flow=scene.fluid.flow,
         design_speed=initial.top_speed,
         relax=RELAX if scene.fluid.jitter > 0 or scene.solver.apic is not None else 0,
     )

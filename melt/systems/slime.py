@@ -10,6 +10,7 @@ import numpy as np
 
 from melt.errors import NotFinite
 from melt.fields_slime import APIC_CARRIED
+from melt.slime.build import flow
 from melt.slime.motion import motion_of
 from melt.slime.nodes import tend
 from melt.systems import incompressible as solve
@@ -42,6 +43,7 @@ def relax(do):
     they are a tenth too heavy. Left alone, the first step would take this for compression and make velocity of it.
     """
     kept = [(name, of, _by_id(do, name, of)) for name, of in _VELOCITIES if name == "velocity" or do.need.apic]
+    before = {name: _by_id(do, *_PLACES[name]) for name, _, _ in kept if name in _PLACES}
     for _ in range(do.settings.relax):
         if do.need.apic:
             gather(do)
@@ -62,6 +64,9 @@ def relax(do):
         if solved.largest == 0:
             break
     for name, of, values in kept:
+        if do.settings.flow is not None and name in before:  # the flow at where they are now
+            there, was = flow(do.settings.flow, _by_id(do, *_PLACES[name])), flow(do.settings.flow, before[name])
+            values = values + (there - was)
         do.give(name, np.ascontiguousarray(values[:, np.argsort(np.argsort(do.read(of), kind="stable"), kind="stable")]))
     do.give("density_impulse", np.zeros_like(do.read("density_impulse")))
 
@@ -77,6 +82,7 @@ def centre(do):
     do.give("apic_velocity", v)
 
 
+_PLACES = {"velocity": ("position", "id"), "apic_velocity": ("apic_position", "apic_id")}
 _VELOCITIES = (("velocity", "id"), ("apic_velocity", "apic_id"), ("apic_affine", "apic_id"))
 
 
@@ -112,7 +118,7 @@ def advance(do, dt, retries):
     failed = [f for f in forces(do, dt) if not f.converged]
     if do.recording:  # whether or not it comes to that
         do.restore_motion()
-    if failed and s.on_fail == "retry" and retries > 0:
+    if failed and s.on_fail == "retry" and retries > 0 and all(f.finite for f in failed):
         do.restore_motion()
         forget_pressure(do)
         tally(do, "retries", 1)
@@ -122,7 +128,8 @@ def advance(do, dt, retries):
     if failed:
         if s.on_fail != "warn" and all(f.finite for f in failed):
             do.restore_motion()  # what is left is the state before this sub-step
-        forget_pressure(do)
+        if all(f.finite for f in failed):  # else who is not finite is yet to be named
+            forget_pressure(do)
         tell(do, dt, failed)
     if do.need.semi_lagrangian:
         do.restore_motion(velocity_kept="velocity")  # back to x^n, with v^(n+1)
