@@ -45,9 +45,9 @@ class Landing:
             self.found.setdefault(int(k), (time, float(lateral[k])))
 
     def line(self):
-        """Return (times, lateral positions) in order of landing."""
-        rows = np.array(sorted(self.found.values())).reshape(-1, 2)
-        return rows[:, 0], rows[:, 1]
+        """Return (times, lateral positions) along the thread: by layer, as several land between two looks."""
+        rows = np.array([self.found[k] for k in sorted(self.found)]).reshape(-1, 2)
+        return np.maximum.accumulate(rows[:, 0]), rows[:, 1]
 
 
 def folds(times, lateral, least):

@@ -108,6 +108,10 @@ class Plain:
         """Return the size of an extent."""
         return self.state.sizes[extent]
 
+    def has(self, name):
+        """Return whether the run has a field."""
+        return name in self.state
+
     def resize(self, extent, size):
         """Give every array with this extent the new size; contents are lost."""
         self.state.resize(extent, size)

@@ -36,7 +36,7 @@ SCALES = dict(
     dfsph_factor=1000 * VOLUME * SPACING**2 / VOLUME,
     impulse=1e4 * 1e-6,
     poisson=1e4 * SPACING,
-    poisson_sums=(1e3 * SPACING) ** 2,  # a residual is what larger terms leave, and the sums are of its squares
+    poisson_sums=(2e3 * SPACING) ** 2,  # a residual is what larger terms leave, and the sums are of its squares
     viscosity=50.0,
     pair_shear=np.sqrt(50.0 * SPACING),
     viscous_block=1e-3 / (1000 * VOLUME),
@@ -64,7 +64,7 @@ def _gradients(arrays):
 
 def fields(arrays, rng):
     """Return the fields of a step in the making: operators that fit the positions, random states."""
-    phase = arrays["phase"]
+    phase, V = arrays["phase"], arrays["volume"]
     n, liquid, solid = len(phase), phase == LIQUID, phase == SOLID
     g, ratio, on, j, r = _gradients(arrays)
     held = np.where(liquid & (rng.random(n) < 0.1), 1, 0)
@@ -74,7 +74,6 @@ def fields(arrays, rng):
     D = arrays["volume"] * (mobility * (g.sum(axis=2) ** 2).sum(axis=0) + np.where(on, mobility[j] * own, 0.0).sum(axis=1))
     factor = np.where(liquid & (held == 0) & (D > 1e-6 / mass / SUPPORT**2), 1 / np.where(D > 0, D, 1.0), 0.0)
     act = factor > 0
-    V = arrays["volume"]
     completed = np.where(liquid, np.minimum(np.maximum(ratio, 1.0), ratio + 0.2 * rng.random(n)), 1.0)
     Vc = V / np.maximum(completed, 0.5)
     both = on & act[:, None] & act[j]

@@ -40,8 +40,9 @@ def poisson_pairs(
                 s = s if dfsph_factor[j] > real(0) else real(0)
                 pair_poisson[i, k] = s
                 total += s
-            lack = max(poisson.full - around / (real(2) * V_i), real(0))
-            ghost = real(4) * V_i * (ghost_laplacian[i] if ghosts else lack)
+            given = ghost_laplacian[i] if ghosts else real(0)
+            lack = max((real(0.5) if ghosts else real(1)) * poisson.full - around / (real(2) * V_i), real(0))
+            ghost = real(4) * V_i * (given if given > real(0) else lack)
             poisson_ghost[i] = ghost
             poisson_diagonal[i] = total + ghost
 
@@ -77,8 +78,9 @@ def poisson_start(
             s = completed_ratio[i]
             lack = poisson.pull * min(real(0), s - real(1)) / dt
             b = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt) - shift
-            p_s = surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
-            r = b - (total + poisson_ghost[i] * (p_i - p_s))
+            if surface_pressure.shape[0] > 0:
+                b += poisson_ghost[i] * surface_pressure[i]
+            r = b - (total + poisson_ghost[i] * p_i)
             d = r / poisson_diagonal[i]
             poisson_residual[i], poisson_direction[i] = r, d
             rz += wide(r) * wide(d)
@@ -107,6 +109,7 @@ def poisson_acceleration(
             x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
             if mobility[i] > real(0):
                 p = solver_pressure[i]
+                twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
                 for k in range(np.uint64(neighbour_count[i])):
                     j = np.uint64(neighbour_index[i, k])
                     # what water at rest would add between here and there
@@ -115,7 +118,7 @@ def poisson_acceleration(
                         + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
                         + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
                     )
-                    both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below)
+                    both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below) - twice
                     x += both * pair_gradient[0, i, k]
                     y += both * pair_gradient[1, i, k]
                     z += both * pair_gradient[2, i, k]

@@ -35,8 +35,10 @@ def _poisson_pairs(
         s = s if dfsph_factor[j] > real(0) else real(0)
         pair_poisson[i, k] = s
         total += s
-    lack = max(poisson.full - around / (real(2) * V_i), real(0))
-    ghost = real(4) * V_i * (ghost_laplacian[i] if ghost_laplacian.shape[0] > 0 else lack)
+    ghosts = ghost_laplacian.shape[0] > 0
+    given = ghost_laplacian[i] if ghosts else real(0)
+    lack = max((real(0.5) if ghosts else real(1)) * poisson.full - around / (real(2) * V_i), real(0))
+    ghost = real(4) * V_i * (given if given > real(0) else lack)
     poisson_ghost[i] = ghost
     poisson_diagonal[i] = total + ghost
 
@@ -54,8 +56,8 @@ def poisson_pairs(
 
 @cuda_kernel
 def _poisson_right(
-    velocity, volume, completed_ratio, poisson_diagonal, neighbour_count, neighbour_index, pair_gradient,
-    poisson, dt, shift, poisson_residual,
+    velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, surface_pressure, neighbour_count, neighbour_index,
+    pair_gradient, poisson, dt, shift, poisson_residual,
 ):
     i = cuda.grid(1)
     if i >= volume.shape[0]:
@@ -76,13 +78,16 @@ def _poisson_right(
         )
     s = completed_ratio[i]
     lack = poisson.pull * min(real(0), s - real(1)) / dt
-    poisson_residual[i] = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt) - shift
+    b = present_volume(volume[i], s) * poisson.rest_density * ((rate / s + lack) / dt) - shift
+    if surface_pressure.shape[0] > 0:
+        b += poisson_ghost[i] * surface_pressure[i]
+    poisson_residual[i] = b
 
 
 @cuda_kernel
 def _poisson_start(
     poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index, pair_poisson, poisson_pressure,
-    surface_pressure, poisson_residual, poisson_direction,
+    poisson_residual, poisson_direction,
 ):
     i = cuda.grid(1)
     if i >= poisson_diagonal.shape[0]:
@@ -94,8 +99,7 @@ def _poisson_start(
     p_i, total = poisson_pressure[i], real(0)
     for k in range(neighbour_count[i]):
         total += pair_poisson[i, k] * (p_i - poisson_pressure[neighbour_index[i, k]])
-    p_s = surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
-    r = poisson_residual[i] - (total + poisson_ghost[i] * (p_i - p_s))
+    r = poisson_residual[i] - (total + poisson_ghost[i] * p_i)
     poisson_residual[i] = r
     poisson_direction[i] = r / poisson_diagonal[i]
 
@@ -121,13 +125,13 @@ def poisson_start(
     """See `melt.reference.poisson.poisson_start`. The residual holds b until b.b is known."""
     n = volume.shape[0]
     _poisson_right.launch(
-        n, velocity, volume, completed_ratio, poisson_diagonal, neighbour_count, neighbour_index, pair_gradient,
-        poisson, dt, shift, poisson_residual,
+        n, velocity, volume, completed_ratio, poisson_ghost, poisson_diagonal, surface_pressure, neighbour_count,
+        neighbour_index, pair_gradient, poisson, dt, shift, poisson_residual,
     )
     dot.launch(64, poisson_residual, poisson_residual, 4, poisson_sums)
     _poisson_start.launch(
         n, poisson_ghost, poisson_diagonal, neighbour_count, neighbour_index, pair_poisson, poisson_pressure,
-        surface_pressure, poisson_residual, poisson_direction,
+        poisson_residual, poisson_direction,
     )
     dot.launch(64, poisson_residual, poisson_direction, 0, poisson_sums)
     dot.launch(64, poisson_residual, poisson_residual, 3, poisson_sums)

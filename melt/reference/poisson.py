@@ -24,7 +24,8 @@ def poisson_pairs(
 ):
     """Write the entries s_ij, 0 unless both particles have a pressure, the ghosts' share and the diagonal.
 
-    Without ghosts what the neighbours' sum of V F lacks to ``poisson.full`` counts as air at the mirrored pressure.
+    Where there is no ghost, what the neighbours' sum of V F lacks to ``poisson.full`` counts as air at the mirrored pressure;
+    in a scene with ghosts what it lacks to half of that: fragments outside of the domain, where none are seeded.
 
     Reads: position (3, n) [m], volume (n,) [m^3], completed_ratio (n,), ghost_laplacian (n,) [1/m^2] or of
         length 0 (no ghosts), dfsph_factor (n,) (0: no pressure), the lists.
@@ -38,9 +39,11 @@ def poisson_pairs(
         r2 = (x_ij**2).sum(axis=0)
         F_r2 = -(gradW(x_ij, np.sqrt(r2), smoothing) * x_ij).sum(axis=0)
         s = 2 * V[i] * V[near] * F_r2 / (r2 + float(poisson.floor))
-        lack = max(float(poisson.full) - s.sum() / (2 * V[i]), 0.0) if act[i] else 0.0
+        share = 0.5 if len(ghost_laplacian) else 1.0
+        lack = max(share * float(poisson.full) - s.sum() / (2 * V[i]), 0.0) if act[i] else 0.0
         s = np.where(act[i] & act[near], s, 0.0)
-        ghost = 4 * V[i] * (float(ghost_laplacian[i]) if len(ghost_laplacian) else lack) if act[i] else 0.0
+        given = float(ghost_laplacian[i]) if len(ghost_laplacian) else 0.0
+        ghost = 4 * V[i] * (given if given > 0 else lack) if act[i] else 0.0
         pair_poisson[i, : len(near)] = s
         poisson_ghost[i] = ghost
         poisson_diagonal[i] = s.sum() + ghost
@@ -73,8 +76,8 @@ def poisson_start(
         rate = (mirror * pair_gradient[:, i, : len(near)].astype(float) * (v[:, i, None] - v[:, near])).sum()
         b[i] = V[i] * float(poisson.rest_density) * (rate / s / dt + float(poisson.pull) * min(0.0, s - 1) / dt**2)
         b[i] -= float(shift)
-        p_s = float(surface_pressure[i]) if len(surface_pressure) else 0.0
-        r = b[i] + float(poisson_ghost[i]) * p_s - _times(i, near, pair_poisson, poisson_ghost, p)
+        b[i] += float(poisson_ghost[i]) * float(surface_pressure[i]) if len(surface_pressure) else 0.0
+        r = b[i] - _times(i, near, pair_poisson, poisson_ghost, p)
         poisson_residual[i], poisson_direction[i] = r, r / float(poisson_diagonal[i])
     r = poisson_residual.astype(float)
     for row, product in ((0, r * poisson_direction), (1, r), (2, poisson_diagonal > 0), (3, r * r), (4, b * b)):

@@ -26,7 +26,7 @@ def scales_of(scene, scales):
         "impulse": pressure * dt**2,
         "poisson": pressure * volume / d**2,
         # a residual is what larger terms leave, and the sums are of its squares
-        "poisson_sums": (0.1 * pressure * volume / d**2) ** 2,
+        "poisson_sums": (0.2 * pressure * volume / d**2) ** 2,
         "viscosity": mu or 1.0,
         "pair_shear": math.sqrt(mu * volume) / d or 1.0,
         "viscous_block": dt / mass,

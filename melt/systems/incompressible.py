@@ -11,6 +11,7 @@ import numpy as np
 
 from melt.errors import MeltError, NotFinite
 
+DIVERGED = 10.0  # mean density error that no liquid has
 CHECK = 4  # iterations of conjugate gradients between two looks at the residual
 
 
@@ -52,9 +53,31 @@ def density(do, dt, ratio=None):
 
 
 def _jacobi(do, dt, name, tolerance, least):
-    """Relaxed Jacobi iteration of one of the two DFSPH solves, from the last step's pressure. Spec 2.7."""
-    impulse = f"{name}_impulse"
-    do.pressure_start(density_impulse=impulse, dt=dt)
+    """Relaxed Jacobi iteration of one of the two DFSPH solves, from the last step's pressure. Spec 2.7.
+
+    Sprays and fragments have larger eigenvalues than liquid: where the iteration diverges it begins anew with half of
+    the relaxation.
+    """
+    impulse, given = f"{name}_impulse", do.params["dfsph"]
+    for share in (1.0, 0.5, 0.25, 0.125):
+        if share < 1:
+            do.params["dfsph"] = given._replace(omega=type(given.omega)(share * given.omega))
+            do.forget()
+        do.pressure_start(density_impulse=impulse, dt=dt)
+        solved = _iterate(do, dt, name, tolerance, least)
+        if not solved.residual > DIVERGED and solved.residual == solved.residual:
+            break
+    if share < 1:
+        do.params["dfsph"] = given
+        do.forget()
+        tally(do, "relaxations", 1)
+    do.pressure_kick(dt=dt)
+    do.pressure_keep(density_impulse=impulse, dt=dt)
+    return solved
+
+
+def _iterate(do, dt, name, tolerance, least):
+    """Iterate until the mean error is within ``tolerance``, beyond `DIVERGED`, or the iterations are at an end."""
     mean = largest = 0.0
     since, before = 0, math.inf  # iterations since the momentum began
     for k in range(do.settings.max_iterations + 1):
@@ -62,8 +85,9 @@ def _jacobi(do, dt, name, tolerance, least):
         do.pressure_update(dt=dt)
         sums = np.asarray(do.read("pressure_error"), np.float64)
         mean, largest = float(sums[0].sum() / max(sums[2].sum(), 1)), float(sums[1].max())
-        # the error is that of the pressure before this update, which is what acts below
-        if ((k >= least and mean <= tolerance) or not math.isfinite(mean)) and not do.recording:
+        # the error is that of the pressure before this update, which is what acts afterwards
+        done = (k >= least and mean <= tolerance) or not mean <= DIVERGED
+        if done and not do.recording:
             break
         if do.settings.accelerate:
             since = 0 if mean > before else since + 1  # where it went wrong the momentum begins anew
@@ -71,8 +95,6 @@ def _jacobi(do, dt, name, tolerance, least):
             before = mean
         if do.recording:
             break
-    do.pressure_kick(dt=dt)
-    do.pressure_keep(density_impulse=impulse, dt=dt)
     return Solved(name, k, mean, largest, mean <= tolerance or do.recording)
 
 
@@ -130,8 +152,8 @@ def _conjugate(do, name, tolerance, limit, apply):
     for k in range(limit + 1):
         if k % CHECK == 0 or k == limit:
             sums = np.asarray(do.read(f"{name}_sums"), np.float64).sum(axis=1)
-            # of a liquid at rest only what moving walls bring is on the right-hand side: it is in the first residual
-            size = max(size, sums[4], sums[3] if k == 0 else 0.0)
+            # of a liquid at rest all that moves is walls: what they bring is in the first residual only
+            size = sums[4] if sums[4] > 0 else max(size, sums[3] if k == 0 else 0.0)
             residual = math.sqrt(sums[3] / size) if size > 0 else float(sums[3])
             if residual <= tolerance or not math.isfinite(residual) or k == limit:
                 break
@@ -163,6 +185,8 @@ def tell(do, dt, failed):
         NotFinite: a residual is not a number.
         MeltError: which solve, after how many iterations, and what may help.
     """
+    if not failed:
+        return
     if not all(f.finite for f in failed):
         raise NotFinite
     words = "; ".join(f"{f.name} solve after {f.iterations} iterations: {f.residual:.3g}" for f in failed)

@@ -52,7 +52,6 @@ def step(do, dt):
             clock.max_speed = math.inf
             break
     else:
-        do.motion_bounds()
         keep_bounds(do)
     clock.step += 1
 
@@ -209,8 +208,7 @@ def squeeze(do, sub_dt):
     found = [solve(do, sub_dt) for solve in solves]
     for f in found:
         incompressible.told(do, f)
-    if failed := [f for f in found if not f.converged]:
-        incompressible.tell(do, sub_dt, failed)
+    incompressible.tell(do, sub_dt, [f for f in found if not f.converged])
 
 
 def emit(do, dt):
@@ -297,5 +295,6 @@ def over_limit(settings, dt, limits):
 
 def keep_bounds(do):
     """Read the largest speed and acceleration back, once per outer step."""
+    do.motion_bounds()
     speed, acceleration = np.asarray(do.read("motion_bounds"), dtype=np.float64).max(axis=1)
     do.clock.max_speed, do.clock.max_acceleration = float(speed), float(acceleration)

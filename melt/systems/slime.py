@@ -110,6 +110,7 @@ def advance(do, dt, retries):
         do.restore_motion()
     if failed and s.on_fail == "retry" and retries > 0:
         do.restore_motion()
+        forget_pressure(do)
         tally(do, "retries", 1)
         advance(do, dt / 2, retries - 1)
         advance(do, dt / 2, retries - 1)
@@ -134,6 +135,13 @@ def advance(do, dt, retries):
             do.leave_domain(position="apic_position", phase="apic_phase")
     do.clock.time += dt
     do.clock.previous_dt = dt
+
+
+def forget_pressure(do):
+    """Begin the next solves at zero: what led nowhere is no first guess."""
+    for name in ("poisson_pressure", "density_impulse", "divergence_impulse", "viscous_pressure"):
+        if do.has(name):
+            do.give(name, np.zeros_like(do.read(name)))
 
 
 def gather(do):

@@ -8,8 +8,9 @@ from melt.check.faults import FAULTS, swappable
 from melt.check.inputs import make
 from melt.stages import STAGES
 
-#: Stages whose first two equal inputs may change places: b + d, and arrays of cells that no reference looks at.
+#: Stages whose first two equal inputs may change places: b + d, products of the two, and arrays of cells that no reference looks at.
 SYMMETRIC = {"flood_surface", "flood_land", "flood_neighbours", "wall_neighbours"}
+SYMMETRIC |= {"pressure_start", "pressure_acceleration", "poisson_acceleration"}
 
 
 def applies(fault, stage, arrays):

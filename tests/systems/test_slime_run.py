@@ -8,7 +8,7 @@ from slime_scenes import RHO, D, carriers, liquid, pool, slime, sound, square, s
 
 from melt import simulation
 from melt.output.run_reader import open_run
-from melt.physics.phases import DRIVEN
+from melt.physics.phases import DRIVEN, WALL
 from melt.scene import load_scene
 from melt.simulation import Simulation
 
@@ -61,7 +61,7 @@ def test_a_shipped_scene_begins_as_planned(name, tmp_path):
     assert abs(s["mass_created"]) < 1e-5 * max(s["mass"], 1e-9) and s.get("unconverged", 0) == s.get("retries", 0) == 0
     assert set(sim.do.launches) <= set(sim.prepared.stages)
     with open_run(path) as run:
-        assert len(run) >= 2 and (run.frame(-1)["phase"] != 2).all()  # no walls
+        assert len(run) >= 2 and (run.frame(-1)["phase"] == WALL).any() == (scene.output.walls and sim.initial.counts["wall"] > 0)
 
 
 # ---- repeatability
