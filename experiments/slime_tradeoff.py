@@ -2,8 +2,8 @@
 
 Errors are distances to a run of half the sub-step with tight solves in double precision, in spacings, root mean square over the
 run: height of the centre of mass, front of the dam break, and of the folding sheet the sideways position of its centre (axis)
-and its lowest 2 % (tip); "density error" is the mean compression itself. Its nozzle is brought near the plate, so that 0.4 s hold
-the first folds. Milliseconds are those of an outer step of four sub-steps unless the knob changes their number (n_sub). A point
+and its lowest 2 % (tip); "density error" is the mean compression itself. Its nozzle is brought near the plate, so that most of 0.8 s
+are on it. Milliseconds are those of an outer step of n_sub sub-steps. A point
 on a Pareto front is marked with the errors for which no other point is both faster and better.
 """
 
