@@ -56,6 +56,7 @@ TABLE = [
     # nodes: motion
     ("position_kept", "3 particle", "position", "m", "spacing", "position at the start of the sub-step"),
     ("velocity_kept", "3 particle", "real", "m/s", "speed", "velocity at the start of the sub-step"),
+    ("velocity_correction", "3 particle", "real", "m/s", "speed", "velocity minus that which led to where forces are solved"),
     ("node_state", "particle", "int", "1", "", "1 for a node without mass, which takes part in nothing"),
     ("driver", "particle", "int", "1", "", "moving body of a driven particle, -1 for none"),
     ("driver_motion", "10 driver", "real", "m/s, 1/s, m, s", "speed", "velocity, spin, centre of a moving body, and k of its turn"),

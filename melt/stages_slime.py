@@ -16,6 +16,8 @@ LIST = [
     stage("free_kick", "slime_motion", "slime S6a", "phase mobility force velocity", "dt", "velocity", FEW, partial=True),
     stage("advect", "slime_motion", "slime (1.7), S14.1", "phase position_kept velocity position", "period dt", "position",
            FEW, partial=True),
+    stage("arrival_correction", "slime_motion", "slime 2.12", "phase velocity position position_kept", "period dt",
+           "velocity_correction", SUM),
     stage("slime_bounds", "slime_motion", "slime 2.12", "phase velocity apic_phase apic_affine position position_kept", "period dt",
            "slime_bounds", FEW),
     # ---- S5b: pairs

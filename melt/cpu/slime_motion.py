@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_stage, prange
-from melt.physics.period import into_box, missed
+from melt.physics.period import into_box, missed, wrap
 from melt.physics.phases import DRIVEN, LIQUID, SOLID
 
 
@@ -132,3 +132,18 @@ def slime_bounds(phase, velocity, apic_phase, apic_affine, position, position_ke
         slime_bounds[0, p] = math.sqrt(speed2)
         slime_bounds[1, p] = math.sqrt(rate2)
         slime_bounds[2, p] = math.sqrt(miss2)
+
+
+@cpu_stage
+def arrival_correction(phase, velocity, position, position_kept, period, dt, velocity_correction):
+    """See `melt.reference.slime_motion.arrival_correction`."""
+    real = velocity.dtype.type
+    rate = real(1) / dt
+    for i in prange(phase.shape[0]):
+        moves = phase[i] <= SOLID or phase[i] == DRIVEN
+        x = real(wrap(position[0, i] - position_kept[0, i], period.length_x, period.inverse_x))
+        y = real(wrap(position[1, i] - position_kept[1, i], period.length_y, period.inverse_y))
+        z = real(wrap(position[2, i] - position_kept[2, i], period.length_z, period.inverse_z))
+        velocity_correction[0, i] = velocity[0, i] - rate * x if moves else real(0)
+        velocity_correction[1, i] = velocity[1, i] - rate * y if moves else real(0)
+        velocity_correction[2, i] = velocity[2, i] - rate * z if moves else real(0)

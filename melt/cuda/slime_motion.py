@@ -3,7 +3,7 @@
 import math
 
 from melt._compile import cuda, cuda_kernel
-from melt.physics.period import into_box, missed
+from melt.physics.period import into_box, missed, wrap
 from melt.physics.phases import DRIVEN, LIQUID, SOLID
 
 
@@ -180,3 +180,24 @@ def slime_bounds(phase, velocity, apic_phase, apic_affine, position, position_ke
     pieces = slime_bounds.shape[1]
     _liquid_bounds.launch(pieces, phase, velocity, position, position_kept, period, dt, slime_bounds)
     _affine_bounds.launch(pieces, apic_phase, apic_affine, slime_bounds)
+
+
+@cuda_kernel
+def _arrival_correction(phase, velocity, position, position_kept, period, dt, velocity_correction):
+    i = cuda.grid(1)
+    if i >= phase.shape[0]:
+        return
+    real = velocity.dtype.type
+    rate = real(1) / dt
+    moves = phase[i] <= SOLID or phase[i] == DRIVEN
+    x = real(wrap(position[0, i] - position_kept[0, i], period.length_x, period.inverse_x))
+    y = real(wrap(position[1, i] - position_kept[1, i], period.length_y, period.inverse_y))
+    z = real(wrap(position[2, i] - position_kept[2, i], period.length_z, period.inverse_z))
+    velocity_correction[0, i] = velocity[0, i] - rate * x if moves else real(0)
+    velocity_correction[1, i] = velocity[1, i] - rate * y if moves else real(0)
+    velocity_correction[2, i] = velocity[2, i] - rate * z if moves else real(0)
+
+
+def arrival_correction(phase, velocity, position, position_kept, period, dt, velocity_correction):
+    """See `melt.reference.slime_motion.arrival_correction`."""
+    _arrival_correction.launch(phase.shape[0], phase, velocity, position, position_kept, period, dt, velocity_correction)

@@ -111,3 +111,15 @@ def slime_bounds(phase, velocity, apic_phase, apic_affine, position, position_ke
     for row, value in enumerate(values):
         value = np.sqrt(np.where(np.isnan(value), np.inf, value))
         slime_bounds[row] = [s.max(initial=0.0) for s in shares(value)]
+
+
+def arrival_correction(phase, velocity, position, position_kept, period, dt, velocity_correction):
+    """Write v - (X_a - x^n)/dt: what the sub-step has changed since the arrival X_a was predicted; 0 of what stands still.
+
+    The density at X_a already has what the predicted velocity brings: the density solve adds this alone (spec 2.12.5).
+    Reads: phase (n,), velocity (3, n) [m/s], position X_a and position_kept x^n (3, n) [m], dt [s].
+    Writes: velocity_correction (3, n) [m/s].
+    """
+    moves = np.isin(phase, (0, 1, 7))
+    came = nearest(position.astype(np.float64) - position_kept, period) / float(dt)
+    velocity_correction[:] = np.where(moves, velocity - came, 0.0)

@@ -44,7 +44,11 @@ def divergence(do, dt):
 
 def density(do, dt, ratio=None):
     """Remove compression that is there, and what velocities would bring (S9)."""
-    do.density_source(completed_ratio=ratio or _ratio(do), dt=dt)
+    velocity = "velocity"
+    if do.need.semi_lagrangian and ratio is None:  # the density at the arrival has the rest
+        do.arrival_correction(dt=dt)
+        velocity = "velocity_correction"
+    do.density_source(completed_ratio=ratio or _ratio(do), velocity=velocity, dt=dt)
     if do.need.closed:  # no surface yields: only differences of density can be removed
         do.source_mean()
         total, count = np.asarray(do.read("source_sums"), np.float64).sum(axis=1)
