@@ -10,7 +10,7 @@ from melt.stages import STAGES
 
 #: Stages whose first two equal inputs may change places: b + d, products of the two, and arrays of cells that no reference looks at.
 SYMMETRIC = {"flood_surface", "flood_land", "flood_neighbours", "wall_neighbours"}
-SYMMETRIC |= {"pressure_start", "pressure_acceleration", "poisson_acceleration"}
+SYMMETRIC |= {"pressure_start", "pressure_acceleration", "poisson_acceleration", "total_pressure"}
 
 
 def applies(fault, stage, arrays):
