@@ -24,6 +24,7 @@ def needs(scene, initial):
     sides = [getattr(scene.boundary, side) for side in ("west", "east", "south", "north")]
     blocked = bool((initial["terrain_wall"] < 1e29).any())
     return SimpleNamespace(
+        incompressible=False,
         walls=initial["boundary_area"].size > 0,
         balanced=scene.solver.form == "balanced",
         constrained=scene.solver.bed == "constrained",
