@@ -79,10 +79,14 @@ def test_a_column_rests_at_the_predicted_compression():
     C, most, speed, x, sim = rest(scene, 600)
     assert C == pytest.approx(bottom_compression(scene, 20, 1 / 240), rel=0.17)
     assert most < 0.08 and speed < 0.7 * 9.81 / 240
-    assert 0.92 < x[:, 2].mean() / (10 * D) < 0.98
     assert (x >= 0.249 * D).all() and (x[:, :2] <= 6 * D - 0.249 * D).all()
     values = sim.series()
     assert values["lost_particles"] == 0 and values["density_error_max"] == pytest.approx(most)
+    heights = []
+    for _ in range(100):  # a mean over time, as of the speed: it differs from processor to processor when it rearranges itself
+        sim.step()
+        heights.append(sim.read("position")[sim.read("phase") == 0][:, 2].mean())
+    assert 0.92 < np.mean(heights) / (10 * D) < 0.98, np.mean(heights) / (10 * D)
 
 
 def test_effect_precision_rests_too_and_works_less():
