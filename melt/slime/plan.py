@@ -22,7 +22,7 @@ ONLY_IF = {
     "augmented": ("dilation", "viscous_pressure"),
     "tension": ("surface_pressure",),
     "shears": ("shear_rate",),
-    "dfsph": ("density_impulse", "divergence_impulse"),
+    "impulses": ("density_impulse", "divergence_impulse"),
     "poisson": ("poisson_pressure",),
     "viscosity": ("viscous_pressure",),
 }
@@ -44,10 +44,20 @@ def needs_of(scene):
         drivers=any(o.moves for o in scene.obstacle),
         nozzles=any(nozzle.hold > 0 for nozzle in scene.inflow),
         periodic=bool(scene.domain.periodic),
-        # nothing is open: pressure is known but for a constant
-        closed=len(scene.domain.periodic) == scene.domain.dimensions,
+        impulses=s.pressure != "isph" or relaxes(scene),
+        closed=closed(scene),
         tension=scene.fluid.sigma > 0,
     )
+
+
+def relaxes(scene):
+    """Return whether the start of a scene may overlap, so that the density solve moves it apart."""
+    return scene.fluid.jitter > 0 or scene.solver.apic is not None
+
+
+def closed(scene):
+    """Return whether nothing is open, so that pressure is known but for a constant: all axes are periodic."""
+    return len(scene.domain.periodic) == scene.domain.dimensions
 
 
 def stokes_of(scene):
@@ -83,7 +93,7 @@ def settings_of(scene, initial):
         elastic_speed=0.0 if scene.elastic is None else math.sqrt(scene.elastic.modulus / scene.fluid.density),
         flow=scene.fluid.flow,
         design_speed=initial.top_speed,
-        relax=RELAX if scene.fluid.jitter > 0 or scene.solver.apic is not None else 0,
+        relax=RELAX if relaxes(scene) else 0,
     )
     if v is not None:
         chosen.update(
@@ -116,7 +126,7 @@ def params_of(scene, particles, real):
             pull=s.dfsph.pull,
             full_share=0.85,
             clamp=int(s.dfsph.clamp),
-            full=0.0 if len(scene.domain.periodic) == dim else FULL * lattice_laplacian(scene),
+            full=0.0 if closed(scene) else FULL * lattice_laplacian(scene),
         ),
     }
     if s.ghosts is not None:

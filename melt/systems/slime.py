@@ -29,7 +29,7 @@ def start(do):
         start_heat(do)
     if do.need.apic and not do.clock.apic:
         do.clock.apic = int((np.asarray(do.read("apic_phase")) == 0).sum())
-    if do.clock.step == 0 and not do.recording:
+    if do.clock.step == 0:
         if do.settings.relax:
             relax(do)
         if do.need.apic:

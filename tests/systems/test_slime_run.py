@@ -284,3 +284,11 @@ def test_a_spinning_body_turns_about_its_centre():
     c, s = np.cos(0.2), np.sin(0.2)
     turned = np.stack([c * before[:, 0] + s * before[:, 2], before[:, 1], -s * before[:, 0] + c * before[:, 2]], axis=1)
     assert np.abs(after - turned).max() < 3e-4 * D * 10
+
+
+@pytest.mark.parametrize("change", ["solver.apic=true", "fluid.jitter=0.05"])
+def test_a_start_that_is_moved_apart_is_in_the_plan(change):
+    """Also where the steps have no density solve: its arrays would have no length, and be written beyond their end."""
+    sim = Simulation(load_scene("hydrostatic", ["solver.pressure=isph", change]), "cpu")
+    assert {"pressure_update", "density_source"} <= set(sim.do.launches) <= set(sim.prepared.stages)
+    assert {"compression_source", "density_impulse", "pressure_error", "pressure_last"} <= set(sim.prepared.fields)
