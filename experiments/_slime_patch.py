@@ -63,7 +63,10 @@ def axes(q):
 
 
 def ellipse(*settings, end=1.0, spacing=0.0795, **taken):
-    """Return errors of the semi-axes and the energy of a disc that stretches without a force until A t = ``end``."""
+    """Return errors of the semi-axes and the energy of a disc that stretches without a force until A t = ``end``.
+
+    Energy is compared with that after the first step.
+    """
     sim = turned("oscillating_drop", "fluid.central=0", "fluid.flow.rate=1.0", f"domain.spacing={spacing}",
                 "domain.lower=[-3.0, 0.0, -3.0]", "domain.upper=[3.0, 0.0, 3.0]", *settings, **taken)
     q = liquid(sim)

@@ -54,6 +54,9 @@ CASES = {
     "ellipse/DFSPH": (patch.ellipse, ("solver.pressure=dfsph",), {"nodes": True, **NO_GHOSTS}),
     "ellipse/nodes": (patch.ellipse, (), {"nodes": True}),
     "ellipse/APIC": (patch.ellipse, (), {}),
+    "ellipse/APIC, no pull": (patch.ellipse, ("solver.dfsph.pull=0",), {}),
+    "ellipse/APIC, twice dt": (patch.ellipse, ("time.dt=20 ms",), {}),
+    "ellipse/APIC, half of dt": (patch.ellipse, ("time.dt=5 ms",), {}),
     "drop/APIC": (patch.drop, (), {}),
 }
 QUICK = {"couette/20", "film/20, hybrid", "ellipse/APIC"}

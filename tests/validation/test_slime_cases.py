@@ -54,17 +54,17 @@ def test_a_film_on_an_incline():
 
 def test_a_rotating_square_is_held_by_negative_pressure():
     found, broken = patch.square(end=0.5), patch.square("solver.pressure=dfsph", end=2.0, ghosts=False)
-    # the spec's 1 % and 1 are missed, with APIC particles, by 0.5 % and 0.1 %: the published table says so
-    assert found["centre"] == pytest.approx(-patch.CENTRE, rel=0.02)
+    # of the corner the spec's 1 is missed by less than 0.1 %: the published table says so
+    assert found["centre"] == pytest.approx(-patch.CENTRE, rel=0.01)
     assert abs(found["spin"]) <= 0.01 and found["corner"] <= 1.001 and found["loneliest"] < 1.3
     assert broken["least"] >= 0 and broken["loneliest"] > 2
 
 
-@pytest.mark.parametrize("taken", [{}, {"nodes": True}])
-def test_an_ellipse_stretches(taken):
-    found = patch.ellipse(**taken)
-    # with APIC particles the spec's 1.5 % of energy is missed by 0.3 %: the published table says so
-    assert max(abs(found["x"]), abs(found["z"])) <= 0.01 and abs(found["energy"]) <= (0.015 if taken else 0.025)
+@pytest.mark.parametrize(("settings", "taken"), [(["solver.dfsph.pull=0"], {}), ([], {"nodes": True})])
+def test_an_ellipse_stretches(settings, taken):
+    """Energy with APIC particles is lost in every transfer: 1.8 % with the default pull, a miss in the published table."""
+    found = patch.ellipse(*settings, **taken)
+    assert max(abs(found["x"]), abs(found["z"])) <= 0.01 and abs(found["energy"]) <= 0.015
 
 
 def test_an_ellipse_whose_rows_are_stretched_decouples():
