@@ -4,7 +4,8 @@ Two dimensions, double precision, the numbers of the scenes unless a row says ot
 over that of the exact profile, over all particles; pressures are over rho g H, and those in the middle of the rotating square
 are means over w t = 0.045 to 0.125, a window chosen after the noise of the first steps was seen. Nodes are read, also where APIC
 particles carry the mass. "Operator" rows measure what the pair forces dissipate in a given flow over what the liquid would: they
-tell the viscosity of an arrangement of particles, whatever the rest of the method does. Rows without a bound claim nothing.
+tell the viscosity of an arrangement of particles, whatever the rest of the method does. With APIC particles energy is lost in every
+transfer, so the more of it the shorter the step (ellipse). Rows without a bound claim nothing.
 """
 
 import h5py

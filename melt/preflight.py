@@ -16,7 +16,7 @@ from melt.plan import prepare
 from melt.position_based import bottom_compression, relaxation, stiffness
 from melt.slime.findings import slime_findings
 from melt.stages import STAGES
-from melt.systems.melting import over_limit
+from melt.systems.steps import over_limit
 
 #: Why a bound is small, and what moves it.
 WHY = {

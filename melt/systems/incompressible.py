@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from melt.errors import MeltError, NotFinite
+from melt.systems.steps import divide
 
 DIVERGED = 10.0  # mean density error that no liquid has
 CHECK = 4  # iterations of conjugate gradients between two looks at the residual
@@ -226,22 +227,8 @@ def step_limits(do):
 
 
 def sub_steps(do, dt):
-    """Return (n_sub, dt / n_sub), the fewest sub-steps that the limits allow, and note why.
-
-    Raises:
-        MeltError: the limits ask for more than ``n_sub_max`` sub-steps (never silently unstable).
-    """
-    s = do.settings
-    limits = step_limits(do)
-    governing = min(limits, key=limits.get)
-    n_sub = s.n_sub or max(1, math.ceil(dt / limits[governing] * (1 - 1e-9)))
-    if s.n_sub is None and n_sub > s.n_sub_max:
-        raise MeltError(
-            f"time step: at t = {do.clock.time:.4g} s the bound '{governing}' allows sub-steps of {limits[governing]:.3g} s, "
-            f"{n_sub} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max} (largest speed {do.clock.max_speed:.3g} m/s): "
-            "lower time.dt, raise time.n_sub_max, or set solver.dfsph.semi_lagrangian = true, which allows longer steps"
-        )
-    do.note("n_sub", n_sub)
-    do.note("governing_bound", "given" if s.n_sub else governing)
-    do.note("step_over_limit", dt / n_sub / limits[governing])
-    return n_sub, dt / n_sub
+    """Return (n_sub, dt / n_sub) of an outer step; see `melt.systems.steps.divide`."""
+    remedy = "a coarser domain.spacing"
+    if not do.need.semi_lagrangian:
+        remedy = "set solver.dfsph.semi_lagrangian = true, which lets longer steps of viscous liquids through"
+    return divide(do, dt, step_limits(do), f"largest speed {do.clock.max_speed:.3g} m/s", remedy)

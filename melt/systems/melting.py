@@ -9,9 +9,10 @@ import math
 
 import numpy as np
 
-from melt.errors import MeltError, NotFinite
+from melt.errors import NotFinite
 from melt.systems import incompressible
 from melt.systems.heat import heat, start_heat
+from melt.systems.steps import divide
 from melt.systems.topology import build_lattice, freeze, melt_and_relink
 
 
@@ -26,7 +27,7 @@ def start(do):
 def step(do, dt):
     """Advance the state by one outer step of ``dt`` seconds."""
     need, clock = do.need, do.clock
-    n_sub, sub_dt = (incompressible.sub_steps if need.incompressible else sub_steps)(do, dt)
+    n_sub, sub_dt = sub_steps(do, dt)
     clock.tally = {}
     if need.inflow:
         emit(do, dt)
@@ -257,40 +258,11 @@ def step_limits(do):
 
 
 def sub_steps(do, dt):
-    """Return (n_sub, dt / n_sub), the fewest sub-steps that all limits allow, and note why.
-
-    Raises:
-        MeltError: the limits ask for more than ``n_sub_max`` sub-steps (never silently unstable).
-    """
-    s = do.settings
-    limits = step_limits(do)
-    governing = min(limits, key=limits.get)
-    n_sub = s.n_sub or max(1, math.ceil(dt / limits[governing] * (1 - 1e-9)))
-    if s.n_sub is None and n_sub > s.n_sub_max:
-        raise MeltError(
-            f"time step: at t = {do.clock.time:.4g} s the bound '{governing}' allows sub-steps of "
-            f"{limits[governing]:.3g} s, {n_sub} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max} "
-            f"(largest speed {do.clock.max_speed:.3g} m/s, sound speed {s.sound_speed:.3g} m/s): "
-            "lower time.dt, raise time.n_sub_max, or lower fluid.sound_speed"
-        )
-    do.note("n_sub", n_sub)
-    do.note("governing_bound", "given" if s.n_sub else governing)
-    do.note("step_over_limit", dt / n_sub / limits[governing])  # above 1 a given n_sub is too small
-    do.warning = ". Fix: ".join(filter(None, over_limit(s, dt, limits))) if s.n_sub else ""
-    return n_sub, dt / n_sub
-
-
-def over_limit(settings, dt, limits):
-    """Return (what is wrong, remedy) of a given n_sub whose sub-steps exceed a bound; ("", "") if none does."""
-    governing = min(limits, key=limits.get)
-    n_sub, most = settings.n_sub, limits[governing]
-    if dt / n_sub <= 1.0001 * most:
-        return "", ""
-    return (
-        f"time.n_sub = {n_sub} makes sub-steps of {dt / n_sub:.3g} s, the bound '{governing}' allows {most:.3g} s: the run may burst",
-        f"time.n_sub = {math.ceil(dt / most * (1 - 1e-9))}, or 'auto'"
-        + (f", or a fluid.sound_speed below {settings.sound_speed:.3g} m/s" if governing == "sound" else ""),
-    )
+    """Return (n_sub, dt / n_sub) of an outer step; see `melt.systems.steps.divide`."""
+    if do.need.incompressible:
+        return incompressible.sub_steps(do, dt)
+    speeds = f"largest speed {do.clock.max_speed:.3g} m/s, sound speed {do.settings.sound_speed:.3g} m/s"
+    return divide(do, dt, step_limits(do), speeds, "lower fluid.sound_speed")
 
 
 def keep_bounds(do):

@@ -95,7 +95,7 @@ def step(do, dt):
     if do.need.inflow:
         emit(do, dt)  # S1
     n_sub, sub_dt = sub_steps(do, dt)
-    do.clock.tally, do.warning = {}, ""
+    do.clock.tally = {}
     try:
         for _ in range(n_sub):
             advance(do, sub_dt, do.settings.retries)

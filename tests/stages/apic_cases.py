@@ -1,11 +1,10 @@
 """Nodes and APIC particles for the tests of the transfers, in cell order, and how to run a stage on them."""
 
 import numpy as np
+from stage_runs import run_with
 
 from melt import params as P
-from melt.check.compare import run_stage
 from melt.fields import FIELDS
-from melt.stages import STAGES
 from melt.state import dtype_of
 
 H = 0.5
@@ -94,18 +93,7 @@ def case(nodes, particles, precision="double", period=OPEN, edge=H, **fields):
 
 def run(stage, backend, a, grid, **changes):
     """Run a stage, put what it writes into ``a``; keywords change parameters, or give scalars."""
-    real = a["apic_mass"].dtype.type
-    kinds = TUPLES | dict(grid=(P.Grid, grid), fluid=(P.Fluid, FLUID))
-    params = {}
-    for name in STAGES[stage].params:
-        if name in kinds:
-            kind, values = kinds[name]
-            params[name] = P.make(kind, real, **{**values, **{k: v for k, v in changes.items() if k in values}})
-        else:
-            params[name] = np.int32(changes[name]) if isinstance(changes[name], int) else real(changes[name])
-    out = run_stage(stage, backend, a, params)
-    a.update(out)
-    return out
+    return run_with(stage, backend, a, a["apic_mass"].dtype.type, changes, TUPLES | dict(grid=(P.Grid, grid), fluid=(P.Fluid, FLUID)))
 
 
 def blob(dimension, n, seed=0, radius=1.0):

@@ -1,9 +1,9 @@
 """Particle sets for the stages of DFSPH and of the motion of slime; arrays of any registered field, lists by brute force."""
 
 import numpy as np
+from stage_runs import run_with
 
 from melt import params as P
-from melt.check.compare import run_stage
 from melt.fields import FIELDS
 from melt.stages import STAGES
 from melt.state import dtype_of, shape_of
@@ -72,16 +72,7 @@ def arrays(x, phase=0, precision="double", period=(0, 0, 0), stages=(), **fields
 
 def run(stage, backend, a, precision="double", **changes):
     """Run a stage on ``a``, put what it wrote there and return it; keywords change parameters or give scalars."""
-    real, params = REAL[precision], {}
-    for name in STAGES[stage].params:
-        if name in TUPLES:
-            kind, values = TUPLES[name]
-            params[name] = P.make(kind, real, **{**values, **{k: v for k, v in changes.items() if k in values}})
-        else:
-            params[name] = real(changes[name])
-    out = run_stage(stage, backend, a, params)
-    a.update(out)
-    return out
+    return run_with(stage, backend, a, REAL[precision], changes, TUPLES)
 
 
 def box(n, d=D):

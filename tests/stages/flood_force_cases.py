@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from stage_runs import run_with
 
 from melt import params as P
-from melt.check.compare import run_stage
 from melt.fields import FIELDS
 from melt.stages import STAGES
 from melt.state import dtype_of
@@ -94,15 +94,7 @@ def columns(x, precision="double", phase=LIQUID, walls=None, **fields):
 
 def run(stage, backend, a, **changes):
     """Run a stage, put what it writes into ``a`` and return the first of it; keywords change parameters or give scalars."""
-    real, params = a["depth"].dtype.type, {}
-    for name in STAGES[stage].params:
-        if name in TUPLES:
-            kind, values = TUPLES[name]
-            params[name] = P.make(kind, real, **{**values, **{k: v for k, v in changes.items() if k in values}})
-        else:
-            params[name] = real(changes[name])
-    out = run_stage(stage, backend, a, params)
-    a.update(out)
+    out = run_with(stage, backend, a, a["depth"].dtype.type, changes, TUPLES)
     return out[STAGES[stage].writes[0]].astype(float)
 
 

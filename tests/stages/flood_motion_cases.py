@@ -1,11 +1,10 @@
 """Columns of water, nodes, zones and points for the stages of motion, entry and maps, and how to run one."""
 
 import numpy as np
+from stage_runs import run_with
 
 from melt import params as P
-from melt.check.compare import run_stage
 from melt.fields import FIELDS
-from melt.stages import STAGES
 from melt.state import dtype_of
 
 LIQUID, INACTIVE, AIRBORNE = 0, 5, 6
@@ -58,14 +57,4 @@ def arrays(x, phase=LIQUID, precision="double", search=False, **fields):
 
 def run(stage, backend, a, **changes):
     """Run a stage, put what it writes into ``a`` and return that; keywords change parameters or give scalars."""
-    real = a["rest_volume"].dtype.type
-    params = {}
-    for name in STAGES[stage].params:
-        if name in TUPLES:
-            kind, values = TUPLES[name]
-            params[name] = P.make(kind, real, **{**values, **{k: v for k, v in changes.items() if k in values}})
-        else:
-            params[name] = np.int32(changes[name]) if isinstance(changes[name], int) else real(changes[name])
-    out = run_stage(stage, backend, a, params)
-    a.update(out)
-    return out
+    return run_with(stage, backend, a, a["rest_volume"].dtype.type, changes, TUPLES)

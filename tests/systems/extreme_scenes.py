@@ -5,7 +5,6 @@ import copy
 import numpy as np
 
 from melt.scene import scene_from_dict
-from melt.simulation import Simulation
 
 DX = 0.2
 BASE = {
@@ -47,14 +46,6 @@ def box(lower, cells, **values):
 def fill(lower, cells, **values):
     """Return a liquid region, as `box`."""
     return {"fill": [box(lower, cells, **values)]}
-
-
-def stepped(scene, steps, backend="cpu", **options):
-    """Return a simulation after some outer steps."""
-    sim = Simulation(scene, backend, **options)
-    for _ in range(steps):
-        sim.step()
-    return sim
 
 
 def all_finite(sim):

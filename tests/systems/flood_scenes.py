@@ -4,7 +4,6 @@ import numpy as np
 from extreme_scenes import merged
 
 from melt.scene import scene_from_dict
-from melt.simulation import Simulation
 
 R0, DEPTH = 0.4, 0.5
 BASE = {
@@ -38,14 +37,6 @@ def raster(folder, values, cell=0.5, mark=None):
 def from_file(path, **terrain):
     """Return the terrain section of a raster file, in place of the base scene's shape."""
     return {"shape": None, "lower": None, "upper": None, "cell": None, "file": str(path), **terrain}
-
-
-def stepped(scene, steps, backend="cpu", **options):
-    """Return a simulation after some outer steps."""
-    sim = Simulation(scene, backend, **options)
-    for _ in range(steps):
-        sim.step()
-    return sim
 
 
 def sound(sim):

@@ -4,7 +4,6 @@ import numpy as np
 from extreme_scenes import merged
 
 from melt.scene import scene_from_dict
-from melt.simulation import Simulation
 
 D, RHO = 0.1, 1000.0
 BASE = {
@@ -35,14 +34,6 @@ def square(low, cells, **values):
     low = np.array([low[0], 0.0, low[1]]) * D
     high = low + np.array([cells[0], 0.0, cells[1]]) * D
     return {"lower": [float(low[0]), -1.0, float(low[2])], "upper": [float(high[0]), 1.0, float(high[2])], **values}
-
-
-def stepped(scene, steps, backend="cpu", **options):
-    """Return a simulation after some outer steps."""
-    sim = Simulation(scene, backend, **options)
-    for _ in range(steps):
-        sim.step()
-    return sim
 
 
 def sound(sim):

@@ -2,19 +2,8 @@
 
 import numpy as np
 import pytest
-from extreme_scenes import (
-    BASE,
-    DX,
-    NO_LIQUID,
-    OPEN,
-    WEIGHTLESS,
-    all_finite,
-    box,
-    fill,
-    merged,
-    scene,
-    stepped,
-)
+from extreme_scenes import BASE, DX, NO_LIQUID, OPEN, WEIGHTLESS, all_finite, box, fill, merged, scene
+from scene_runs import stepped
 
 from melt import simulation
 from melt.diagnostics import coincident

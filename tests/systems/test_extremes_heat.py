@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from extreme_scenes import BASE, NO_LIQUID, WEIGHTLESS, box, fill, scene, stepped
+from extreme_scenes import BASE, NO_LIQUID, WEIGHTLESS, box, fill, scene
+from scene_runs import stepped
 
 from melt.errors import MeltError
 from melt.geometry.build import build

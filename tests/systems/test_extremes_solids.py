@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from extreme_scenes import BASE, DX, NO_LIQUID, OPEN, WEIGHTLESS, all_finite, box, fill, scene, stepped
+from extreme_scenes import BASE, DX, NO_LIQUID, OPEN, WEIGHTLESS, all_finite, box, fill, scene
+from scene_runs import stepped
 from scipy.spatial.distance import pdist
 
 from melt import simulation

@@ -5,7 +5,8 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from extreme_scenes import BASE, NO_LIQUID, OPEN, all_finite, box, fill, merged, scene, stepped
+from extreme_scenes import BASE, NO_LIQUID, OPEN, all_finite, box, fill, merged, scene
+from scene_runs import stepped
 
 from melt import simulation
 from melt.errors import GeometryError, InputError, MeltError, SceneError

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from flood_scenes import ALL_OPEN, DEPTH, PLAIN, R0, flood, from_file, raster, sound, stepped, watched, water
+from flood_scenes import ALL_OPEN, DEPTH, PLAIN, R0, flood, from_file, raster, sound, watched, water
+from scene_runs import stepped
 
 from melt.errors import GeometryError
 from melt.simulation import Simulation

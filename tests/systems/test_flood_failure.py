@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from flood_scenes import ALL_OPEN, flood, from_file, raster, sound, stepped, watched
+from flood_scenes import ALL_OPEN, flood, from_file, raster, sound, watched
+from scene_runs import stepped
 
 from melt.errors import InputError, MeltError, SceneError
 from melt.geometry.build import build

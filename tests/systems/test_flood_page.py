@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from flood_scenes import DEPTH, PLAIN, flood, stepped
+from flood_scenes import DEPTH, PLAIN, flood
+from scene_runs import stepped
 
 from melt.errors import InputError, SceneError
 from melt.geometry.build import build

@@ -4,11 +4,11 @@ import os
 import subprocess
 import sys
 
-import h5py
 import numba
 import numpy as np
 import pytest
-from flood_scenes import R0, flood, sound, stepped
+from flood_scenes import R0, flood, sound
+from scene_runs import datasets, stepped
 
 from melt import simulation
 from melt.geometry.build import build
@@ -24,17 +24,6 @@ EVERYTHING = dict(
     rain={"rate": "5 mm/s"}, infiltration={"rate": "1 mm/s"}, control={}, gauge=[{"position": [3.5, 4.0]}, {"position": [5.5, 2.0]}],
     output={"maps": True, "raster": "none"}, time={"end": 1.0, "dt": 0.05, "output_every": 0.1, "n_sub_max": 100},
 )
-
-
-def datasets(path):
-    """All datasets of a run file but wall times."""
-    found = {}
-    with h5py.File(path) as file:
-        def keep(name, item):
-            if isinstance(item, h5py.Dataset) and not name.startswith("melt/series/ms/"):
-                found[name] = item[()]
-        file.visititems(keep)
-    return found
 
 
 def test_a_resumed_flood_is_the_whole_one_bit_by_bit(tmp_path):
@@ -160,7 +149,8 @@ def test_a_shift_of_everything_shifts_the_result(straight):
 def test_a_run_in_another_process_is_the_same(tmp_path):
     """Hash seeds, addresses and clocks differ between processes."""
     code = (
-        "import sys, hashlib; sys.path[:0] = sys.argv[1:]; from test_flood_run import EVERYTHING; from flood_scenes import flood, stepped; "
+        "import sys, hashlib; sys.path[:0] = sys.argv[1:]; from test_flood_run import EVERYTHING; "
+        "from flood_scenes import flood; from scene_runs import stepped; "
         "sim = stepped(flood(**EVERYTHING), 5); bits = b''.join(sim.read(n).tobytes() for n in ('id', 'position', 'depth')); "
         "print(hashlib.sha256(bits).hexdigest())"
     )

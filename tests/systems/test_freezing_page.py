@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from extreme_scenes import DX, WEIGHTLESS, all_finite, box, scene, stepped
+from extreme_scenes import DX, WEIGHTLESS, all_finite, box, scene
+from scene_runs import stepped
 from scipy.spatial.transform import Rotation
 
 from melt.errors import SceneError

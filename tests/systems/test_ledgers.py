@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from extreme_scenes import scene, stepped
+from extreme_scenes import scene
+from scene_runs import stepped
 
 from melt import simulation
 from melt.errors import MeltError

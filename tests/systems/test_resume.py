@@ -7,9 +7,9 @@ import subprocess
 import sys
 import time
 
-import h5py
 import numpy as np
 import pytest
+from scene_runs import datasets
 
 from melt import simulation
 from melt.errors import MeltError
@@ -45,19 +45,8 @@ def whole(tmp_path_factory):
     return folder / "run.vtkhdf"
 
 
-def _datasets(path):
-    """All datasets of a run file but wall times."""
-    found = {}
-    with h5py.File(path) as file:
-        def keep(name, item):
-            if isinstance(item, h5py.Dataset) and not name.startswith("melt/series/ms/"):
-                found[name] = item[()]
-        file.visititems(keep)
-    return found
-
-
 def _same(a, b):
-    a, b = _datasets(a), _datasets(b)
+    a, b = datasets(a), datasets(b)
     assert set(a) == set(b)
     return [name for name in a if not np.array_equal(a[name], b[name], equal_nan=a[name].dtype.kind == "f")]
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from slime_scenes import BASIN, RHO, TURNING, D, carriers, linear, liquid, pool, slime, sound, square, stepped
+from scene_runs import stepped
+from slime_scenes import BASIN, RHO, TURNING, D, carriers, linear, liquid, pool, slime, sound, square
 
 from melt.errors import MeltError
 from melt.geometry.build import build

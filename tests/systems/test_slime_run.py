@@ -1,10 +1,10 @@
 """Runs of incompressible liquids: repeatability, resumption, two backends in step, ledgers, inflow, moving bodies."""
 
-import h5py
 import numba
 import numpy as np
 import pytest
-from slime_scenes import RHO, D, carriers, liquid, pool, slime, sound, square, stepped
+from scene_runs import datasets, stepped
+from slime_scenes import RHO, D, carriers, liquid, pool, slime, sound, square
 
 from melt import simulation
 from melt.output.run_reader import open_run
@@ -17,17 +17,6 @@ LOW = ["inflow.0.position=[0,0,0.012]", "inflow.0.speed=0.4"]  # liquid reaches 
 
 def coil(*overrides):
     return load_scene("honey_coil_small", [*LOW, *overrides])
-
-
-def datasets(path):
-    """All datasets of a run file but wall times."""
-    found = {}
-    with h5py.File(path) as file:
-        def keep(name, item):
-            if isinstance(item, h5py.Dataset) and not name.startswith("melt/series/ms/"):
-                found[name] = item[()]
-        file.visititems(keep)
-    return found
 
 
 CARRIED = ("id", "position", "velocity", "density_impulse", "viscous_pressure", "poisson_pressure", "temperature")

@@ -1,0 +1,42 @@
+"""How an outer step is divided into sub-steps, and what is said when its bounds do not allow that."""
+
+import math
+
+from melt.errors import MeltError
+
+
+def divide(do, dt, limits, speeds, remedy):
+    """Return (n_sub, dt / n_sub), the fewest sub-steps that all ``limits`` {bound: seconds} allow, and note why.
+
+    ``speeds`` and ``remedy`` complete the message of a step that needs too many.
+
+    Raises:
+        MeltError: the limits ask for more than ``n_sub_max`` sub-steps (never silently unstable).
+    """
+    s = do.settings
+    governing = min(limits, key=limits.get)
+    n_sub = s.n_sub or max(1, math.ceil(dt / limits[governing] * (1 - 1e-9)))
+    if s.n_sub is None and n_sub > s.n_sub_max:
+        raise MeltError(
+            f"time step: at t = {do.clock.time:.4g} s the bound '{governing}' allows sub-steps of {limits[governing]:.3g} s, "
+            f"{n_sub} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max} ({speeds}): "
+            f"lower time.dt, raise time.n_sub_max, or {remedy}"
+        )
+    do.note("n_sub", n_sub)
+    do.note("governing_bound", "given" if s.n_sub else governing)
+    do.note("step_over_limit", dt / n_sub / limits[governing])  # above 1 a given n_sub is too small
+    do.warning = ". Fix: ".join(filter(None, over_limit(s, dt, limits))) if s.n_sub else ""
+    return n_sub, dt / n_sub
+
+
+def over_limit(settings, dt, limits):
+    """Return (what is wrong, remedy) of a given n_sub whose sub-steps exceed a bound; ("", "") if none does."""
+    governing = min(limits, key=limits.get)
+    n_sub, most = settings.n_sub, limits[governing]
+    if dt / n_sub <= 1.0001 * most:
+        return "", ""
+    return (
+        f"time.n_sub = {n_sub} makes sub-steps of {dt / n_sub:.3g} s, the bound '{governing}' allows {most:.3g} s: the run may burst",
+        f"time.n_sub = {math.ceil(dt / most * (1 - 1e-9))}, or 'auto'"
+        + (f", or a fluid.sound_speed below {settings.sound_speed:.3g} m/s" if governing == "sound" else ""),
+    )
