@@ -8,11 +8,13 @@ from melt.scene.quantities import (
     DynamicViscosity,
     NonNegative,
     Positive,
+    PositiveLength,
     PositiveTime,
     Rate,
     Section,
     Share,
     Temperature,
+    Vector,
     quantity,
 )
 
@@ -168,11 +170,11 @@ class Flow(Section):
 
     kind: Literal["rotation", "stretch", "taylor_green"] = "rotation"
     """About y: rigid rotation; x stretches and z shrinks; a periodic array of vortices."""
-    rate: Rate
+    rate: Rate = 1.0
     """Angular velocity, strain rate, or largest speed times 2 pi over the wave length."""
-    centre: list[float] = [0.0, 0.0, 0.0]
-    length: Positive = 1.0
-    """Wave length of taylor_green [m]."""
+    centre: Vector = [0.0, 0.0, 0.0]
+    length: PositiveLength = 1.0
+    """Wave length of taylor_green."""
 
 
 def check_incompressible(scene):
