@@ -47,7 +47,8 @@ LEDGERS = {
     "bubble_merge._merge_removed", "flood_guard._guard_sums", "flood_sources._seepage_sums", "flood_zones._zone_parts",
     "flood_zones._zone_totals",
     # sums of conjugate gradients, and the inverse of a block that may be nearly of rank one
-    "_poisson.dot", "poisson._left", "poisson_cg._poisson_step", "poisson_cg._preconditioned", "poisson_cg._poisson_turn", "poisson_cg._keep_sums",
+    "_poisson.dot", "poisson._left", "poisson_cg._poisson_step", "poisson_cg._preconditioned", "poisson_cg._poisson_turn",
+    "poisson_cg._keep_sums",
     "_viscous.dot", "viscous._pair_shear", "viscous._right_side", "viscous_cg._viscous_step", "viscous_cg._preconditioned",
     "viscous_cg._viscous_turn", "viscous_cg._keep_sums",
 }
