@@ -12,7 +12,8 @@ from melt.errors import SceneError
 from melt.scene.flood import FloodScene
 from melt.scene.messages import explain
 from melt.scene.model import Scene
-from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, OPTIONAL_SECTIONS, PRESETS
+from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, OPTIONAL_SECTIONS, PRESETS, SLIME_PRESETS
+from melt.scene.slime import INCOMPRESSIBLE
 
 
 def data_folder():
@@ -85,7 +86,7 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
     chosen = preset or data.get("preset", "default")
     if not isinstance(chosen, str):
         raise SceneError(f"{title}: preset = {chosen!r} is not allowed: it must be the name of one preset")
-    known = {**(FLOOD_PRESETS if "terrain" in data else PRESETS), **own}
+    known = {**PRESETS, **own}
     if chosen not in known:
         close = difflib.get_close_matches(str(chosen), known, 1)
         hint = f"did you mean {close[0]}? " if close else ""
@@ -98,10 +99,8 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         if not _ or not key.strip():
             raise SceneError(f"override {text!r}: write KEY=VALUE, for instance heat.conductivity=50")
         _assign(data, key.strip(), _parse(value.strip()))
-    model, defaults = Scene, BOILING_PRESETS if "boiling" in data else PRESETS
-    if "terrain" in data:
-        model, defaults = FloodScene, FLOOD_PRESETS
-    _fill_in(data, defaults.get(chosen, {}))
+    model = FloodScene if "terrain" in data else Scene
+    _fill_in(data, _presets_of(data).get(chosen, {}))
     _resolve_meshes(data, folder)
     if "terrain" in data:
         _resolve_files(data, [folder] if folder else [])
@@ -111,6 +110,17 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         return model.model_validate(data, context={"law": law})
     except ValidationError as error:
         raise SceneError(explain(error, data, title, model)) from None
+
+
+def _presets_of(data):
+    """Return the presets of the system that a scene belongs to."""
+    solver = data.get("solver")
+    if "terrain" in data:
+        return FLOOD_PRESETS
+    if "boiling" in data:
+        return BOILING_PRESETS
+    incompressible = isinstance(solver, dict) and solver.get("pressure") in INCOMPRESSIBLE
+    return SLIME_PRESETS if incompressible else PRESETS
 
 
 def _parse(text):

@@ -59,4 +59,15 @@ FLOOD_PRESETS = {
     # what the shallow water equations say, as closely as this method can
     "physical": {"solver": {"form": "variational", "precision": "double", "cfl": 0.2}},
 }
-OPTIONAL_SECTIONS = {"heat", "boiling", "heater", "control"}
+#: What the presets mean for an incompressible liquid (slime spec 2).
+SLIME_PRESETS = {
+    # as published: Jacobi iterations without momentum, half of the pressure kept, viscosity and pressure one after the
+    # other, no pull on a liquid that has come apart
+    "paper": {
+        "viscosity": {"stokes": "split"},
+        "solver": {"precision": "single", "dfsph": {"accelerate": False, "warm_start": 0.5, "pull": 0.0}},
+    },
+    # latent heat and real heat capacities where it has heat
+    "physical": {"heat": {"law": "physical", "latent": True}, "viscosity": {"stokes": "al"}},
+}
+OPTIONAL_SECTIONS = {"heat", "boiling", "heater", "control", "viscosity"}
