@@ -1,10 +1,10 @@
-"""Run every experiment and write docs/results.md: ``python -m experiments [--quick] [NAME ...]``."""
+"""Run every experiment and write docs/results.md and the figures of README.md: ``python -m experiments [--quick] [NAME ...]``."""
 
 import argparse
 import pathlib
 import time
 
-from experiments import load, names
+from experiments import _headlines, load, names
 from experiments._results import markdown, provenance_line, sections_of, title
 
 
@@ -33,6 +33,9 @@ def main():
     not_run = [n for n in names() if n not in there and title(load(n)) not in kept]
     text = markdown(sections, provenance_line(), not_run, kept)
     target.write_text(text)
+    if not given.quick:
+        page = pathlib.Path("README.md")
+        page.write_text(_headlines.fill(page.read_text(), text))
     print(f"wrote {target}")
 
 

@@ -1,12 +1,13 @@
-"""Write ``docs/stages.md`` from the registry: ``python -m melt.docs``."""
+"""Write ``docs/stages.md`` from the registry and ``docs/scenes.md`` from the plans: ``python -m melt.docs``."""
 
 import pathlib
-import sys
 
+from melt import costs
 from melt.fields import EXTENTS, FIELDS
 from melt.stages import STAGES
 
-PAGE = pathlib.Path(__file__).parent.parent / "docs" / "stages.md"
+DOCS = pathlib.Path(__file__).parent.parent / "docs"
+PAGE, SCENES = DOCS / "stages.md", DOCS / "scenes.md"
 
 
 def _array(name):
@@ -62,10 +63,11 @@ def stages_page():
     return "\n".join(lines) + "\n"
 
 
-def main(path=PAGE):
-    """Write the page."""
-    pathlib.Path(path).write_text(stages_page())
+def main():
+    """Write the pages."""
+    PAGE.write_text(stages_page())
+    SCENES.write_text(costs.page())
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

@@ -32,6 +32,8 @@ ALWAYS = ("id", "phase", "material", "position", "velocity", "mass", "rest_volum
 ONLY_IF = {
     "effect_precision": ("effect_precision", "support_radius", "iterations", "kernel_scale"),
     "latent": ("latent_energy", "latent_capacity", "latent_point", "heat_capacity_molten"),
+    "temperature": ("temperature", "inflow_temperature"),
+    "solids": ("site",),
 }
 
 
@@ -54,6 +56,11 @@ class Prepared:
     begin: object = None  # begin(simulation, writer): what is written before the first frame
     finish: object = None  # finish(simulation, writer, say): what is written when the run ends
     ledger: object = diagnostics  # the module that has `SERIES` and `series`
+
+    @property
+    def required(self):
+        """What the scene requires, in words."""
+        return ", ".join(name for name, needed in vars(self.need).items() if needed) or "liquid only"
 
     def bytes(self, name):
         """Return the memory of one field [bytes]."""
@@ -91,6 +98,7 @@ def needs(scene, initial):
         blend=pbf and solver.pbf.xsph > 0,
         solids=solids,
         heat=heat is not None,
+        temperature=heat is not None or b is not None,
         latent=heat is not None and heat.latent,
         heaters=heat is not None and bool(heat.heater),
         ambient=heat is not None and heat.ambient_transfer > 0,

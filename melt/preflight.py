@@ -250,11 +250,12 @@ def _head(p):
     if scene.kind == "flood":
         yield from flood.head(scene, p.initial, p.prepared)
         return
+    inside = lattice_offsets(scene.solver.support, scene.domain.dimensions).size
     yield (
-        f"spacing {scene.spacing:g} m, support {scene.support:g} m ({lattice_offsets(scene.solver.support).size} neighbours "
-        f"inside, lattice density {lattice_density(scene):.4f}), precision {p.prepared.precision}"
+        f"spacing {scene.spacing:g} m, support {scene.support:g} m ({inside} neighbours inside, "
+        f"lattice density {lattice_density(scene):.4f}), precision {p.prepared.precision}"
     )
-    yield f"requires: {', '.join(k for k, v in vars(p.prepared.need).items() if v) or 'liquid only'}"
+    yield f"requires: {p.prepared.required}"
     if scene.solver.motion:
         sound = "" if p.prepared.need.pbf or p.prepared.need.incompressible else f"sound speed {s.sound_speed:.4g} m/s; "
         yield f"{sound}outer step {scene.time.dt:g} s to t = {scene.time.end:g} s"

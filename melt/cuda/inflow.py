@@ -38,7 +38,8 @@ def _emit_matter(
     mass[slot + k] = inflow_mass[first + k]
     rest_volume[slot + k] = inflow_volume[first + k]
     material[slot + k] = inflow_material[first + k]
-    site[slot + k] = -1
+    if site.shape[0] > 0:
+        site[slot + k] = -1
     if temperature.shape[0] > 0:
         temperature[slot + k] = inflow_temperature[first + k]
 

@@ -26,12 +26,14 @@ def emit_matter(
     """Matter of the new particles of `emit_motion`.
 
     Reads: inflow_mass [kg], inflow_volume [m^3], inflow_temperature [degC], inflow_material, all (inlets,).
-    Writes: mass, rest_volume, temperature (length 0 in a scene without heat), material, site (-1) of the slots.
+    Writes: mass, rest_volume, temperature (length 0 in a scene without heat), material, site (-1;
+        length 0 in a scene without solids) of the slots.
     """
     rows, slots = slice(first, first + count), slice(slot, slot + count)
     mass[slots] = inflow_mass[rows]
     rest_volume[slots] = inflow_volume[rows]
     material[slots] = inflow_material[rows]
-    site[slots] = -1
+    if site.size:
+        site[slots] = -1
     if temperature.size:
         temperature[slots] = inflow_temperature[rows]

@@ -22,6 +22,7 @@ ONLY_IF = {
     "augmented": ("dilation", "viscous_pressure"),
     "tension": ("surface_pressure",),
     "shears": ("shear_rate",),
+    "elastic": ("apic_strain",),
     "impulses": ("density_impulse", "divergence_impulse"),
     "poisson": ("poisson_pressure",),
     "viscosity": ("viscous_pressure",),
@@ -44,7 +45,7 @@ def needs_of(scene):
         drivers=any(o.moves for o in scene.obstacle),
         nozzles=any(nozzle.hold > 0 for nozzle in scene.inflow),
         periodic=bool(scene.domain.periodic),
-        impulses=s.pressure != "isph" or relaxes(scene),
+        impulses=scene.incompressible and (s.pressure != "isph" or relaxes(scene)),
         closed=closed(scene),
         tension=scene.fluid.sigma > 0,
     )

@@ -1,4 +1,4 @@
-"""What README.md says is so: its Python runs, its relative links lead somewhere, its scene and commands are known."""
+"""What README.md and the guides say is so: Python runs, links lead somewhere, scenes are valid, commands are known."""
 
 import pathlib
 import re
@@ -13,8 +13,11 @@ TEXT = README.read_text() if README.exists() else ""
 pytestmark = pytest.mark.skipif(not TEXT, reason="no README.md beside the package: melt is installed")
 
 
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```", TEXT, re.S | re.M)
+GUIDES = [ROOT / "docs" / f"{name}.md" for name in ("melting", "boiling", "flood", "slime")]
+
+
+def blocks(language, text=TEXT):
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.S | re.M)
 
 
 @pytest.mark.parametrize("number", range(len(blocks("python"))))
@@ -41,11 +44,14 @@ def test_files_named_in_code_exist():
     assert not [name for name in named if not (ROOT / name).exists()]
 
 
-def test_scene_is_valid():
+@pytest.mark.parametrize("guide", GUIDES, ids=lambda guide: guide.stem)
+def test_scene_of_a_guide_is_valid(guide):
     from melt.scene import scene_from_toml
 
-    for text in blocks("toml"):
-        scene_from_toml('[scene]\nname = "readme"\n' + text)
+    scenes = blocks("toml", guide.read_text())
+    assert scenes
+    for text in scenes:
+        scene_from_toml('[scene]\nname = "guide"\n' + text)
 
 
 def test_commands_are_known():
