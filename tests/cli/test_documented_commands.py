@@ -67,5 +67,6 @@ def test_commands_of_a_page_work(page, tmp_path, monkeypatch):
 
 def test_pages_show_runs_of_every_system():
     shown = {words[1] for page in PAGES for words in commands(page) if words[0] == "run" and len(words) > 1}
-    kinds = {(s.kind, s.boiling is not None, getattr(s, "incompressible", False)) for s in map(load_scene, shown - {"SCENE", "my_scene.toml"})}
+    scenes = map(load_scene, shown - {"SCENE", "my_scene.toml"})
+    kinds = {(s.kind, s.boiling is not None, getattr(s, "incompressible", False)) for s in scenes}
     assert len(kinds) == 4
