@@ -88,7 +88,7 @@ def read(value, quantity):
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise UnitError(f"{value!r} is not {_article(kind.name)}: {advice}")
     if not isinstance(value, str):
-        return float(value)
+        return _double(value)
     match = _NUMBER.fullmatch(value)
     if match is None:
         raise UnitError(f"{value!r} is not {_article(kind.name)}: {advice}")
@@ -102,6 +102,14 @@ def read(value, quantity):
         expected = f"expected {_article(kind.name)} such as '{kind.example}'"
         raise UnitError(f"{value!r} is {_article(_name(dimension))}, {expected}")
     return number * factor
+
+
+def _double(value):
+    """Return a number as a float; whole numbers may be too large for one, and are then infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def unit_of(text, context=None):

@@ -99,7 +99,7 @@ def _pairs(path):
     """Return the two columns of a text file."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise InputError(f"{path} cannot be read ({error}): give a text file of two columns, time and value") from None
     times, values, header = [], [], False
     for number, line in enumerate(lines, 1):
