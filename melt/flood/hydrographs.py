@@ -92,7 +92,7 @@ def _factor(unit, quantity):
     factor, dimension = unit_of(unit)
     if dimension != QUANTITIES[quantity].dimension:
         raise UnitError(f"{unit!r} is no unit of {quantity}: give one such as that of '{QUANTITIES[quantity].example}'")
-    return factor
+    return float(factor)
 
 
 def _pairs(path):
