@@ -10,6 +10,7 @@ from legal_liquids import boiling, melting, slime
 from scene_keys import in_words
 
 from melt.errors import MeltError
+from melt.geometry.build import build
 from melt.scene import scene_from_dict, scene_from_toml
 from melt.simulation import Simulation
 
@@ -24,15 +25,16 @@ def run(data, steps=2, backend="reference"):
     """Run a legal scene some steps and return the simulation, or None if it stopped in words that name a remedy."""
     scene = scene_from_dict(data)
     assert scene_from_toml(scene.to_toml()) == scene
-    sim = Simulation(scene, backend)
-    for _ in range(steps):
-        try:
+    initial = build(scene)  # a legal scene can be built: what may stop it is its motion
+    try:
+        sim = Simulation(scene, backend, initial=initial)
+        for _ in range(steps):
             sim.step()
-        except MeltError as stop:
-            in_words(stop)
-            assert REMEDY.search(str(stop)), str(stop)
-            return None
-        sound(sim)
+            sound(sim)
+    except MeltError as stop:
+        in_words(stop)
+        assert REMEDY.search(str(stop)), str(stop)
+        return None
     return sim
 
 
