@@ -10,16 +10,26 @@ _BOX = {
         "density": 1000.0,
     },
 }
-_MATTER = {"conductivity": 2.0, "specific_heat": 2000.0}
+_MATTER = {"latent_heat": 3e5, "conductivity": 2.0, "specific_heat": 2000.0}
 _FLAT = {**_BOX["domain"], "lower": [0.0, 0.0, 0.0], "dimensions": 2}
 SCENES = {
     "melting": {
-        **_BOX, "heat": {"law": "physical", "latent": True, "conductivity": 50.0, "specific_heat": 4000.0},
+        **_BOX,
+        "heat": {"law": "physical", "latent": True, "conductivity": 50.0, "specific_heat": 4000.0},
         "fluid": {**_BOX["fluid"], "viscosity": "laminar", "mu": 3.0, "drag": 0.5},
-        "solid": [{"position": [0.15, 0.2, 0.2], "size": [0.1, 0.2, 0.2], "anchor": "base", "density": 900.0, "latent_heat": 3e5, **_MATTER}],
+        "solid": [{"position": [0.15, 0.2, 0.2], "size": [0.1, 0.2, 0.2], "anchor": "base", "density": 900.0, **_MATTER}],
         "solver": {"precision": "double"},
     },
     "position based": {**_BOX, "solver": {"pressure": "pbf", "precision": "double", "pbf": {"xsph": 12.0, "vorticity": 0.1}}},
+    "boiling": {
+        **_BOX, "fluid": {**_BOX["fluid"], "temperature": 99.9},
+        "solver": {"pressure": "pbf", "precision": "double", "pbf": {"xsph": 12.0}},
+        "boiling": {
+            "diffusivity": 6e-3, "specific_heat": 4186.0, "latent_heat": 2e6, "latent_scale": 0.0, "nucleation_time": 0.002,
+            "boost_rate": 0.5, "boost_speed": 0.5, "heater": {"transfer": 4.0, "half_size": [0.15, 0.2], "centre": [0.15, 0.2]},
+            "bubbles": {"gas_density": 0.6, "merge_age": 0.002, "push_time": 0.016, "drift": 0.0},
+        },
+    },
     "slime": {
         **_BOX, "domain": _FLAT, "solver": {"pressure": "hybrid", "precision": "double", "ghosts": {}},
         "fluid": {**_BOX["fluid"], "sigma": 0.5,

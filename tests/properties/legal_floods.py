@@ -52,7 +52,8 @@ def floods(draw):
         scene["inflow"] = [{"discharge": 0.1 * r**2, "centre": [low[0] + 6.5 * r, at[1]], "radius": r}]
         scene.pop("obstacle", None)
     if entry == "edge":
-        scene["edge"] = [{"side": "west", **draw(st.sampled_from([{"depth": depth}, {"discharge": 0.1 * r**2}, {"depth": depth, "far": True}]))}]
+        given_there = [{"depth": depth}, {"discharge": 0.1 * r**2}, {"depth": depth, "far": True}]
+        scene["edge"] = [{"side": "west", **draw(st.sampled_from(given_there))}]
     if entry == "open":
         scene["boundary"] |= dict.fromkeys(draw(st.lists(st.sampled_from(SIDES), min_size=1, unique=True)), "open")
     return scene if draw(st.booleans()) else {**scene, "preset": draw(st.sampled_from(["paper", "physical"]))}

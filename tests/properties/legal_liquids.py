@@ -61,7 +61,8 @@ def shapes(draw, low, cells, d):
 def times(draw, d):
     """Return the section [time]: steps of a share of the time in which a particle falls its spacing, few or many sub-steps."""
     dt = draw(st.sampled_from([1e-3, 0.02, 0.2])) * (2 * d / GRAVITY) ** 0.5
-    return {"end": 10 * dt, "dt": dt, "n_sub_max": draw(st.sampled_from([4, 40, 1000])), **draw(given(n_sub=st.integers(1, 3), output_every=st.just(dt)))}
+    given_too = draw(given(n_sub=st.integers(1, 3), output_every=st.just(dt)))
+    return {"end": 10 * dt, "dt": dt, "n_sub_max": draw(st.sampled_from([4, 40, 1000])), **given_too}
 
 
 def _fills(draw, low, cells, d, most=2):
@@ -184,7 +185,8 @@ def slime(draw):
         "solver": {"pressure": pressure, "dfsph": draw(given(
             accelerate=st.booleans(), warm_start=numbers(0, 1), clamp=st.booleans(), semi_lagrangian=st.booleans(),
             order=st.sampled_from(["late", "bk"]), on_fail=st.sampled_from(["retry", "raise", "warn"]))),
-            **draw(given(precision=PRECISIONS, kernel=st.sampled_from(["cubic", "wendland2"]), ghosts=st.just(True) | given(jitter=numbers(0, 0.25))))},
+            **draw(given(precision=PRECISIONS, kernel=st.sampled_from(["cubic", "wendland2"]),
+                         ghosts=st.just(True) | given(jitter=numbers(0, 0.25))))},
     }  # fmt: skip
     extra = draw(st.sampled_from(["", "apic", "heat", "inflow", "obstacle"]))
     if extra == "apic":
@@ -195,8 +197,9 @@ def slime(draw):
         scene["inflow"] = [_nozzle(draw, low, cells, d)]
         scene["inflow"][0]["position"][1] = 0.0 if flat else scene["inflow"][0]["position"][1]
     if extra == "obstacle":
-        scene["obstacle"] = [{"lower": [low[0], low[1], low[2] + (cells[2] - 1) * d], "upper": [low[0] + d, low[1] + d, low[2] + cells[2] * d],
-                              "velocity": [0.0, 0.0, -0.1 * d]}]
+        top = low[2] + cells[2] * d
+        body = {"lower": [low[0], low[1], top - d], "upper": [low[0] + d, low[1] + d, top]}
+        scene["obstacle"] = [{**body, "velocity": [0.0, 0.0, -0.1 * d]}]
     if draw(st.booleans()):
         scene["viscosity"] = draw(given(mu=numbers(0, 100), index=numbers(0.5, 1.5), stokes=st.sampled_from(["auto", "al", "split"]),
                                         wall=numbers(0, 2)))

@@ -12,6 +12,8 @@ DIMENSIONS = {
     "gravity": (0, 1, -2), "velocity": (0, 1, -1), "speed": (0, 1, -1), "top_speed": (0, 1, -1), "vorticity": (0, 1, -1),
     "density": (1, -3, 0), "mu": (1, -1, -1), "sigma": (1, 0, -2), "drag": (0, 0, -1), "xsph": (0, 0, -1), "rate": (0, 0, -1),
     "conductivity": (1, 1, -3), "specific_heat": (0, 2, -2), "latent_heat": (0, 2, -2), "discharge": (0, 3, -1),
+    "diffusivity": (0, 2, -1), "boost_rate": (0, 0, -1), "boost_speed": (0, 1, -1), "transfer": (0, 0, -1), "half_size": (0, 1, 0),
+    "gas_density": (1, -3, 0), "merge_age": (0, 0, 1), "push_time": (0, 0, 1),
     "modulus": (1, -1, -2), "relaxation": (0, 0, 1),
 }
 #: Keys that say where something is.
@@ -33,8 +35,8 @@ def rescaled(data, mass=1.0, length=1.0, time=1.0):
     def change(key, value):
         if key not in DIMENSIONS or isinstance(value, str):
             return value
-        m, l, t = DIMENSIONS[key]
-        factor = mass**m * length**l * time**t
+        of = DIMENSIONS[key]
+        factor = mass ** of[0] * length ** of[1] * time ** of[2]
         return [factor * v for v in value] if isinstance(value, list) else factor * value
 
     return _changed(data, change)
@@ -67,6 +69,8 @@ def turned(data):
     def change(key, value):
         if key == "size":
             return [value[1], value[0], *value[2:]]
+        if key == "half_size":
+            return value[::-1]
         if key in ("position", "velocity", "gravity", "centre", "direction") and isinstance(value, list):
             return [-value[1], value[0], *value[2:]]
         return value
