@@ -127,7 +127,7 @@ def melting(draw):
         if draw(st.booleans()):
             heat |= {"ambient_temperature": draw(numbers(-20, 40)), "ambient_transfer": draw(numbers(0, 10))}
         scene["heat"] = heat
-    return _of_preset(draw, scene, ["default", "physical"] if heat else ["default"])
+    return _of_preset(draw, scene, ["default", "paper", "physical"] if heat else ["default"])
 
 
 def _of_preset(draw, scene, names):
@@ -203,4 +203,4 @@ def slime(draw):
     if draw(st.booleans()):
         scene["viscosity"] = draw(given(mu=numbers(0, 100), index=numbers(0.5, 1.5), stokes=st.sampled_from(["auto", "al", "split"]),
                                         wall=numbers(0, 2)))
-    return scene
+    return _of_preset(draw, scene, ["default", "paper", "physical"])

@@ -110,6 +110,7 @@ def test_a_negative_or_zero_size_is_refused(system, data):
 @example("melting", ("domain", "spacing"), 1e300)
 @example("melting", ("domain", "walls", "sides"), [{}])
 @example("melting", ("domain", "walls", "layers"), 10**400)
+@example("melting", ("domain", "spacing"), "1 km^999")
 @example("melting", ("fluid", "alpha"), 1e300)
 @example("melting", ("fluid", "alpha"), 10**400)
 @example("melting", ("heat", "freeze_layers"), 2**31)
