@@ -68,11 +68,7 @@ class Plan(NamedTuple):
 
 
 def plan(scene, precision=None, initial=None):
-    """Return the `Plan` of a scene; nothing is compiled or run.
-
-    Raises:
-        MeltError: a scene that `melt.simulation.run` would refuse before it starts.
-    """
+    """Return the `Plan` of a scene, refused as a run of it would be (`MeltError`); nothing is compiled or run."""
     initial = initial or build(scene)
     check_initial(initial, precision or scene.solver.precision)
     prepared = prepare(scene, initial, precision)

@@ -297,5 +297,3 @@ class FloodScene(Section):
         from melt.scene.toml import dumps
 
         return dumps(self.model_dump(exclude_none=True))
-
-

@@ -57,7 +57,8 @@ def refused_or_runs(data):
             return
         TRIED.add(scene.to_toml())
         prepared = plan(scene).prepared
-        if prepared.sizes["particle"] <= SMALL and (prepared.settings.n_sub or 0) <= FEW:
+        patient = (prepared.settings.n_sub or 0) > FEW or getattr(prepared.settings, "settle", 0) > 0
+        if prepared.sizes["particle"] <= SMALL and not patient:
             sim = Simulation(scene, "reference")
             sim.step()
             sim.frame(), sim.series()
