@@ -170,7 +170,7 @@ def params_of(scene, particles, sound_speed, real):
     }
     if scene.heat is not None:
         tuples["heat"], tuples["change"] = heat_of(scene, real), change_of(scene, real)
-    if not dx / scene.time.dt <= float(np.finfo(real).max):
+    if not dx / scene.time.dt / scene.time.dt <= float(np.finfo(real).max):
         raise InputError(
             f"time.dt = {scene.time.dt:g} s is too small for {np.dtype(real).name}: raise it, or set solver.precision = 'double'"
         )
@@ -285,7 +285,7 @@ def sound_speed_of(scene, liquid_depth, fall):
         return legal(t.n_sub), ""
     if f.sound_speed != "auto":
         return f.sound_speed, ""
-    g = math.sqrt(sum(c * c for c in scene.domain.gravity))
+    g = math.hypot(*scene.domain.gravity)
     speeds = [math.sqrt(2 * g * max(liquid_depth, scene.spacing)), f.reference_speed or 0.0]
     speeds += [math.sqrt(nozzle.speed**2 + 2 * g * fall) for nozzle in scene.inflow]
     wanted = max(*speeds, 1e-6) / math.sqrt(f.compression)
@@ -293,7 +293,7 @@ def sound_speed_of(scene, liquid_depth, fall):
     if t.n_sub == "auto" and wanted > most:
         return most, (
             f"the sound speed was lowered from {wanted:.3g} to {most:.3g} m/s, what time.n_sub_max = {t.n_sub_max} "
-            f"sub-steps of dt = {t.dt:g} s allow: compression rises to {(max(speeds) / most) ** 2:.1%}. "
+            f"sub-steps of dt = {t.dt:g} s allow: compression rises to {1e2 * (max(speeds) / most) * (max(speeds) / most):.3g} %. "
             "Lower time.dt or raise time.n_sub_max"
         )
     return wanted, ""

@@ -27,12 +27,12 @@ def check_initial(initial, precision):
         values = np.asarray(values)
         if values.dtype.kind != "f":
             continue
-        limit = math.inf if name in _MAY_BE_INFINITE else largest
+        limit = math.inf if name in _MAY_BE_INFINITE else math.sqrt(largest / 3) if name == "velocity" else largest  # of its square
         bad = ~(np.abs(values) <= limit)  # a NaN fails the comparison
         if bad.any():
             index = np.unravel_index(int(np.argmax(bad)), bad.shape)
             where = ", ".join(map(str, index))
-            most = f" of at most {largest:.3g} in {precision} precision" if np.isfinite(values[index]) else ""
+            most = f" of at most {limit:.3g} in {precision} precision" if np.isfinite(values[index]) else ""
             raise InputError(
                 f"initial state: {name}[{where}] = {values[index]:g} {FIELDS[name].unit}{_more(bad)}: "
                 f"it must be a finite number{most}"

@@ -151,7 +151,7 @@ def settings_of(scene, initial, sound_speed, precision):
         sound_speed=sound_speed,
         alpha=f.alpha,
         kinematic_viscosity=mu / f.density,
-        gravity=math.sqrt(sum(c * c for c in scene.domain.gravity)),
+        gravity=math.hypot(*scene.domain.gravity),
         lightest_solid=float(density.min()) / f.density,
     )
     if heat is not None:
@@ -246,7 +246,7 @@ def _flood(scene, initial, precision):
 
 def _recorded(prepared, initial, dt, always, absent):
     """Complete a `Prepared` run by what its page does."""
-    do = Recorder(prepared.params, prepared.need, prepared.settings)
+    do = Recorder(prepared.params, prepared.need, _brief(prepared.settings))
     do.clock.layers = dict.fromkeys((nozzle.name for nozzle in initial.nozzles), 0)
     prepared.system.start(do)
     prepared.page(do, dt)
@@ -254,6 +254,12 @@ def _recorded(prepared, initial, dt, always, absent):
     prepared.stages, prepared.renamed = do.stages, do.renamed
     prepared.fields = [n for n in FIELDS if n in names]
     return prepared
+
+
+def _brief(settings):
+    """Return the settings of a step of two sub-steps and a start of one: they show all stages that any number does."""
+    few = {name: min(most, value) for name, most in (("n_sub", 2), ("settle", 1e-9)) if (value := getattr(settings, name, None))}
+    return SimpleNamespace(**{**vars(settings), **few})
 
 
 def _boiling(scene, initial, need, settings, params, real):

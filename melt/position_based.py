@@ -96,7 +96,7 @@ def relaxation(scene):
 
 def bottom_compression(scene, layers, dt):
     """Return the density error at the bottom of a resting column, C = 0.86 N_y g dt^2/(J d omega' c2)."""
-    g = math.sqrt(sum(c * c for c in scene.domain.gravity))
+    g = math.hypot(*scene.domain.gravity)
     gamma = layers * g * dt**2 / (scene.solver.pbf.iterations * scene.spacing)
     return 0.86 * gamma / (relaxation(scene) * stiffness(scene.solver.support).slow)
 

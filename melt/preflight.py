@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from melt.boiling_findings import boiling_findings
 from melt.constants import lattice_density, lattice_offsets
+from melt.finite import check_initial
 from melt.flood import findings as flood
 from melt.forecast import forecast
 from melt.geometry.build import build
@@ -67,8 +68,9 @@ class Plan(NamedTuple):
 
 
 def plan(scene, precision=None, initial=None):
-    """Return the `Plan` of a scene; nothing is compiled or run."""
+    """Return the `Plan` of a scene, refused as a run of it would be (`MeltError`); nothing is compiled or run."""
     initial = initial or build(scene)
+    check_initial(initial, precision or scene.solver.precision)
     prepared = prepare(scene, initial, precision)
     moves = scene.kind == "flood" or scene.solver.motion
     return Plan(scene, initial, prepared, findings(scene, initial, prepared), limits(prepared) if moves else {})

@@ -6,6 +6,7 @@ Inside melt every number is SI (temperatures in degC), so nothing else knows abo
 import difflib
 import math
 import re
+from fractions import Fraction
 from typing import NamedTuple
 
 from melt.errors import UnitError
@@ -51,7 +52,7 @@ _LIST = [
 ]
 QUANTITIES = {quantity.name: quantity for quantity in _LIST}
 
-_UNITS = {  # name: (factor to SI, exponents of kg, m, s, K)
+_TABLE = {  # name: (factor to SI, exponents of kg, m, s, K)
     "1": (1.0, (0, 0, 0, 0)), "%": (0.01, (0, 0, 0, 0)), "deg": (1.0, (0, 0, 0, 0)),
     "rad": (180.0 / math.pi, (0, 0, 0, 0)),
     "kg": (1.0, (1, 0, 0, 0)), "g": (1e-3, (1, 0, 0, 0)), "t": (1e3, (1, 0, 0, 0)),
@@ -61,18 +62,21 @@ _UNITS = {  # name: (factor to SI, exponents of kg, m, s, K)
     "s": (1.0, (0, 0, 1, 0)), "ms": (1e-3, (0, 0, 1, 0)), "us": (1e-6, (0, 0, 1, 0)),
     "min": (60.0, (0, 0, 1, 0)), "h": (3600.0, (0, 0, 1, 0)), "day": (86400.0, (0, 0, 1, 0)),
     "Hz": (1.0, (0, 0, -1, 0)), "K": (1.0, (0, 0, 0, 1)), "degC": (1.0, (0, 0, 0, 1)),
-    "degF": (5 / 9, (0, 0, 0, 1)), "N": (1.0, (1, 1, -2, 0)), "kN": (1e3, (1, 1, -2, 0)),
+    "degF": (Fraction(5, 9), (0, 0, 0, 1)), "N": (1.0, (1, 1, -2, 0)), "kN": (1e3, (1, 1, -2, 0)),
     "Pa": (1.0, (1, -1, -2, 0)), "mPa": (1e-3, (1, -1, -2, 0)), "hPa": (1e2, (1, -1, -2, 0)),
     "kPa": (1e3, (1, -1, -2, 0)), "MPa": (1e6, (1, -1, -2, 0)), "bar": (1e5, (1, -1, -2, 0)),
     "atm": (101325.0, (1, -1, -2, 0)), "J": (1.0, (1, 2, -2, 0)), "kJ": (1e3, (1, 2, -2, 0)),
     "MJ": (1e6, (1, 2, -2, 0)), "cal": (4.184, (1, 2, -2, 0)), "W": (1.0, (1, 2, -3, 0)),
     "mW": (1e-3, (1, 2, -3, 0)), "kW": (1e3, (1, 2, -3, 0)), "MW": (1e6, (1, 2, -3, 0)),
 }
+# factors as they are written: a decimal number has no rounding before it is multiplied
+_UNITS = {name: (Fraction(str(factor)), dimension) for name, (factor, dimension) in _TABLE.items()}
 _ALIASES = {"°C": "degC", "C": "degC", "celsius": "degC", "°F": "degF", "F": "degF", "kelvin": "K",
             "sec": "s", "hour": "h", "°": "deg", "L": "l", "inch": "in", "meter": "m", "metre": "m"}
 _NUMBER = re.compile(r"\s*([+-]?(?:inf|nan|(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))(.*)", re.S)
 _TOKEN = re.compile(r"\s*(\^-?\d+|[()/]|[^\s()/^]+)")
-_OFFSET = {"K": -273.15, "degC": 0.0, "degF": -160.0 / 9.0}
+_OFFSET = {"K": Fraction("-273.15"), "degC": Fraction(0), "degF": Fraction(-160, 9)}
+_LARGEST_POWER = 9  # of a unit; more is a slip of the pen
 
 
 def read(value, quantity):
@@ -88,24 +92,40 @@ def read(value, quantity):
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise UnitError(f"{value!r} is not {_article(kind.name)}: {advice}")
     if not isinstance(value, str):
-        return float(value)
+        return _double(value)
     match = _NUMBER.fullmatch(value)
     if match is None:
         raise UnitError(f"{value!r} is not {_article(kind.name)}: {advice}")
-    number, unit = float(match[1].replace("_", "")), match[2].strip()
+    digits, unit = match[1].replace("_", ""), match[2].strip()
     if not unit:
-        return number
+        return float(digits)
     if quantity == "temperature" and (name := _ALIASES.get(unit, unit)) in _OFFSET:
-        return number * _UNITS[name][0] + _OFFSET[name]
+        return _converted(digits, _UNITS[name][0], _OFFSET[name])
     factor, dimension = unit_of(unit, value)
     if dimension != kind.dimension:
         expected = f"expected {_article(kind.name)} such as '{kind.example}'"
         raise UnitError(f"{value!r} is {_article(_name(dimension))}, {expected}")
-    return number * factor
+    return _converted(digits, factor)
+
+
+def _converted(digits, factor, offset=0):
+    """Return digits * factor + offset, rounded once: 70 cm and 0.7 m are the same number."""
+    number = float(digits)
+    if number == 0 or not math.isfinite(number) or len(digits) > 400:  # their exact values may have more digits than there is memory
+        return number * float(factor) + float(offset)
+    return _double(Fraction(digits) * factor + offset)
+
+
+def _double(value):
+    """Return a number as a float; whole numbers may be too large for one, and are then infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def unit_of(text, context=None):
-    """Return (factor to SI, exponents of kg, m, s, K) of a unit such as ``W/(m^2 K)``."""
+    """Return (factor to SI as a fraction, exponents of kg, m, s, K) of a unit such as ``W/(m^2 K)``."""
     plain = text.replace("²", "^2").replace("³", "^3").replace("**", "^").replace("*", " ").replace("·", " ")
     plain = re.sub(r"(?<=[A-Za-z])([23])(?![\d^])", r"^\1", plain)  # m3 as m^3
     tokens = _TOKEN.findall(plain)
@@ -120,7 +140,7 @@ def unit_of(text, context=None):
 
 def _product(tokens, context):
     """Read factors up to the end or a closing bracket."""
-    factor, dimension, sign = 1.0, (0, 0, 0, 0), 1
+    factor, dimension, sign = Fraction(1), (0, 0, 0, 0), 1
     while tokens and tokens[0] != ")":
         token, *tokens = tokens
         if token == "/":
@@ -133,6 +153,8 @@ def _product(tokens, context):
             f, d = _unit(token, context)
         power = sign
         if tokens and tokens[0].startswith("^"):
+            if len(tokens[0]) > 3 or abs(int(tokens[0][1:])) > _LARGEST_POWER:
+                raise UnitError(f"{context!r}: the power {tokens[0]} of a unit is too large, at most {_LARGEST_POWER}")
             power, tokens = sign * int(tokens[0][1:]), tokens[1:]
         factor *= f**power
         dimension = tuple(a + power * b for a, b in zip(dimension, d))

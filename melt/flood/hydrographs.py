@@ -92,14 +92,14 @@ def _factor(unit, quantity):
     factor, dimension = unit_of(unit)
     if dimension != QUANTITIES[quantity].dimension:
         raise UnitError(f"{unit!r} is no unit of {quantity}: give one such as that of '{QUANTITIES[quantity].example}'")
-    return factor
+    return float(factor)
 
 
 def _pairs(path):
     """Return the two columns of a text file."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise InputError(f"{path} cannot be read ({error}): give a text file of two columns, time and value") from None
     times, values, header = [], [], False
     for number, line in enumerate(lines, 1):

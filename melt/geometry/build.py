@@ -256,7 +256,7 @@ def _sites(scene, solids, arrays, notes):
 def _nuclei(scene, first):
     """Return the voxels of a spare body, around its middle, and the sites (2, b) of each: first, last + 1."""
     count, reach = (0, 0) if scene.heat is None else (scene.heat.nuclei, scene.heat.freeze_layers)
-    affordable(count * (2 * reach + 1) ** 3, "heat.nuclei, sites kept for them")
+    affordable(max(1, count) * (2 * reach + 1) ** 3, "heat.nuclei, sites kept for them, (2 heat.freeze_layers + 1)^3 each")
     block = np.indices((2 * reach + 1,) * 3).reshape(3, -1) - reach
     start = first + block.shape[1] * np.arange(count)
     return block, np.stack([start, start + block.shape[1]]).astype(np.int32)
@@ -268,6 +268,7 @@ def _vacant(scene, solids):
     if heat is None or not heat.refreeze or heat.freeze_layers == 0:
         return [np.zeros((3, 0), np.int64) for _ in solids]
     reach = heat.freeze_layers
+    affordable(max((cells.shape[1] for cells in solids), default=0) * (2 * reach + 1) ** 3, "heat.freeze_layers, sites around a body")
     offsets = np.indices((2 * reach + 1,) * 3).reshape(3, -1) - reach
     taken = keys(np.hstack([np.zeros((3, 0), np.int64), *solids]))
     found = []

@@ -10,6 +10,7 @@ import numpy as np
 from melt.errors import InputError
 from melt.geometry.raster import Raster
 from melt.geometry.relaxation import relax_columns
+from melt.geometry.shapes import affordable
 
 LAYOUTS = ("equal_mass", "equal_area", "lattice", "hexagonal")
 #: Columns that stand for an area are not placed where water is thinner than this share of the reference depth.
@@ -63,7 +64,9 @@ def place(
         return x, volume * (total / volume.sum())
     wet = np.where(raster.volume > THIN * d * raster.wet, raster.wet, 0.0)
     share, part = (raster.volume, spacing**2 * d) if layout == "equal_mass" else (wet, spacing**2)
-    x = raster.draw(share, max(round(share.sum() / part), 1), random)
+    count = share.sum() / part
+    affordable(count, "columns of this depth")
+    x = raster.draw(share, max(round(count), 1), random)
     x = _jitter(x, raster, lower, upper, jitter * spacing, d if layout == "equal_mass" else None, random)
     x = relax_columns(x, raster, share, lower, upper, relax)
     volume = np.ones(x.shape[1]) if layout == "equal_mass" else np.maximum(raster.at(*x), THIN * d)

@@ -10,6 +10,7 @@ import pathlib
 import numpy as np
 
 from melt.errors import GeometryError
+from melt.paths import is_file
 from melt.scene.load import data_folder
 
 COUNT_TOLERANCE = 0.02  # of a wanted particle count (melting spec, scene F6)
@@ -22,7 +23,7 @@ def find_mesh(name):
         data_folder() / "meshes" / name,
         data_folder() / "meshes" / f"{name}.ply",
     ):
-        if path.is_file():
+        if is_file(path):
             return path
     shipped = ", ".join(sorted(p.stem for p in (data_folder() / "meshes").glob("*.ply")))
     raise GeometryError(

@@ -1,5 +1,6 @@
 """Round nozzles: one layer of a square lattice, emitted every spacing / speed seconds."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ def nozzle_table(scene):
         points = disc(inflow.radius, inflow.direction, dx)
         if scene.domain.dimensions == 2:
             points = points[:, np.abs(points[1]) < 1e-6 * dx]
-        axis = np.array(inflow.direction) / np.linalg.norm(inflow.direction)
+        axis = np.array(inflow.direction) / math.hypot(*inflow.direction)
         points = points + (np.array(inflow.position) - inflow.hold * dx * axis)[:, None]  # the inner end of the nozzle
         count = points.shape[1]
         if count == 0:
@@ -51,7 +52,7 @@ def nozzle_table(scene):
 
 def disc(radius, direction, dx):
     """Return lattice points (3, n) of a disc around the origin, square to ``direction``."""
-    axis = np.array(direction, float) / np.linalg.norm(direction)
+    axis = np.array(direction, float) / math.hypot(*direction)
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
     first = np.cross(axis, helper)
     first /= np.linalg.norm(first)

@@ -44,7 +44,7 @@ def affordable(count, name):
     if not count <= MOST_CELLS:
         raise GeometryError(
             f"{name}: {float(count):.3g} lattice cells, more than the {MOST_CELLS:,} that fit: check its size (m), "
-            "or raise domain.spacing"
+            "or raise the spacing"
         )
 
 

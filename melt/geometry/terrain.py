@@ -11,6 +11,7 @@ import numpy as np
 
 from melt.errors import GeometryError
 from melt.geometry import terrain_shapes, terrain_zones
+from melt.geometry.shapes import affordable
 from melt.geometry.terrain_files import Raster, find_file, read_raster
 from melt.geometry.terrain_nodata import apply_policy, mark_nodata
 from melt.geometry.terrain_warp import jacksboro, north_up, refuse_degrees, reproject, resample
@@ -123,7 +124,9 @@ def load_terrain(section, folder=None):
 def _from_shape(section, cell, folder):
     """Sample an analytic bed at cell centres; the extent is a whole number of cells."""
     lower, size = np.array(section.lower), np.subtract(section.upper, section.lower)
-    count = np.maximum(np.floor(size / cell + 0.5).astype(np.int64), 1)
+    count = np.maximum(np.floor(size / cell + 0.5), 1)
+    affordable(count.prod(), f"terrain.shape {section.shape!r}, nodes of terrain.cell")
+    count = count.astype(np.int64)
     notes = []
     if (np.abs(count * cell - size) > 1e-6 * np.array(cell)).any():
         notes.append(f"upper is {_pair(lower + count * cell)}, a whole number of cells from lower")

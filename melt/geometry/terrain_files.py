@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from melt.errors import GeometryError
+from melt.paths import is_file
 
 MOST_NODES = 100_000_000  # of one raster (0.8 GB); more is a whole country and needs a clip
 _FEET = {"ft": "ft", "foot": "ft", "feet": "ft", "us-ft": "us-ft", "us survey foot": "us-ft", "ussurveyfoot": "us-ft"}
@@ -38,9 +39,9 @@ def find_file(name, folder=None):
     """
     places = [pathlib.Path(folder) / name] if folder is not None else []
     for path in [*places, pathlib.Path(name)]:
-        if path.is_file():
+        if is_file(path):
             return path
-        if path.is_dir():
+        if is_file(path, folder=True):
             raise GeometryError(f"terrain file {str(name)!r} is a folder: name the file inside it")
     raise GeometryError(f"terrain file {str(name)!r} does not exist: give a path, absolute or relative to the scene")
 

@@ -21,7 +21,7 @@ def read_polygons(path):
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:
             rows = list(csv.DictReader(file, skipinitialspace=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except (OSError, ValueError, csv.Error) as error:
         raise GeometryError(f"polygons {path.name}: cannot be read ({error}); they are a CSV text file") from None
     found = list(rows[0]) if rows else []
     if not {"x", "y"} <= set(found):

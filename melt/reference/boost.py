@@ -52,7 +52,7 @@ def boost(phase, temperature, fluid, boiling, mean_u, mean_v, mean_w, mean_tempe
     if boiling.boost == RATE:
         mean = np.array([[mean_u], [mean_v], [mean_w]], np.float64)
         apart = v - mean
-        s = 1 + k_T * th * dt * np.maximum(0, 1 - (apart**2).sum(axis=0) / float(boiling.boost_speed) ** 2)
+        s = 1 + k_T * th * dt * np.maximum(0, 1 - ((apart / float(boiling.boost_speed)) ** 2).sum(axis=0))
         v = mean + apart * s
     elif boiling.boost == LITERAL:
         v = v * (1 + k_T * th)

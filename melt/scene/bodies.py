@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from melt.scene.quantities import (
     Angles,
@@ -17,11 +17,13 @@ from melt.scene.quantities import (
     NonNegative,
     Number,
     Positive,
+    PositiveCount,
     PositiveLength,
     PositiveSpeed,
     PositiveVector,
     Rate,
     Section,
+    Seed,
     SpecificHeat,
     Temperature,
     Time,
@@ -68,7 +70,7 @@ class Placed(Section):
     """Mesh: a file that trimesh reads (relative to the scene), or a shipped one such as "duck"."""
     scale: Positive | None = None
     """Factor on the mesh's coordinates."""
-    particles: PositiveInt | None = None
+    particles: PositiveCount | None = None
     """Wanted number of particles of a mesh: its scale is bisected to come within 2 %."""
     rotate: Angles | None = None
     """Rotations of the mesh about x, then y, then z."""
@@ -115,7 +117,7 @@ class Fluid(Section):
     """Regions filled at the start ([[fluid.fill]])."""
     jitter: Annotated[quantity("number", at_least=0, at_most=0.3), Field()] = 0.0
     """Random displacement of the liquid at the start in spacings (incompressible liquids)."""
-    seed: NonNegativeInt = 0
+    seed: Seed = 0
     """Of the jitter."""
     flow: Flow | None = None
     """Velocity field at the start (incompressible liquids)."""
@@ -218,7 +220,7 @@ class Inflow(Section):
     speed: PositiveSpeed
     temperature: Temperature | None = None
     """fluid.temperature unless given."""
-    layers: PositiveInt
+    layers: PositiveCount
     """Layers to emit, one every spacing / speed seconds."""
     start: Time = 0.0
     hold: NonNegative = 0.0
@@ -228,8 +230,7 @@ class Inflow(Section):
     @field_validator("direction")
     @classmethod
     def _not_zero(cls, value):
-        length = sum(c * c for c in value) ** 0.5
-        if length == 0:
+        if not any(value):
             raise ValueError("the zero vector has no direction; give for instance [0, 0, -1]")
         return value
 

@@ -2,15 +2,17 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
+from pydantic import Field, model_validator
 
 from melt.scene.quantities import (
+    Count,
     Density,
     Expansion,
     LatentHeat,
     Length,
     NonNegative,
     Positive,
+    PositiveCount,
     PositiveLength,
     PositiveSpeed,
     PositiveTime,
@@ -48,7 +50,7 @@ class FloorHeater(Section):
 class BubbleLaws(Section):
     """How bubbles are born, grow, rise, merge and burst ([boiling.bubbles])."""
 
-    capacity: NonNegativeInt | None = None
+    capacity: Count | None = None
     """Slots for bubbles, twice the liquid particles unless given; what finds none waits as liquid at the boiling point."""
     radius_law: Literal["default", "paper"] = "default"
     """"default": r0 (1 + beta/alpha times rise and time), at most a third more; "paper": alpha h + beta (y - h) t."""
@@ -89,9 +91,9 @@ class BubbleLaws(Section):
 class Vapour(Section):
     """Vapour above the surface as SPH smoke ([boiling.vapour])."""
 
-    capacity: PositiveInt | None = None
+    capacity: PositiveCount | None = None
     """Slots for vapour particles, as many as liquid particles unless given; new ones that find none are dropped."""
-    per_burst: PositiveInt = 4
+    per_burst: PositiveCount = 4
     """Particles that a burst sets free."""
     life: PositiveTime = 3.0
     drag: Rate = 1.0

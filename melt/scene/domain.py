@@ -3,9 +3,9 @@
 import math
 from typing import Literal
 
-from pydantic import Field, PositiveInt, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from melt.scene.quantities import Acceleration, PositiveLength, Section, Vector
+from melt.scene.quantities import Acceleration, PositiveCount, PositiveLength, Section, Spacing, Vector
 
 SIDES = ("x-", "x+", "y-", "y+", "z-", "z+")
 _SIDE_NAMES = {"floor": ("z-",), "lid": ("z+",), "sides": SIDES[:4], "all": SIDES, "none": ()}
@@ -16,7 +16,7 @@ class Walls(Section):
 
     sides: list[Literal["x-", "x+", "y-", "y+", "z-", "z+"]] = ["x-", "x+", "y-", "y+", "z-"]
     """Sides with a wall: x- x+ y- y+ z- z+, or floor, sides, lid, all, none."""
-    layers: PositiveInt = 3
+    layers: PositiveCount = 3
     height: PositiveLength | None = None
     """Height of the side walls; the domain's unless given."""
 
@@ -26,7 +26,7 @@ class Walls(Section):
         names = [value] if isinstance(value, str) else value
         if not isinstance(names, list):
             return value
-        sides = [s for name in names for s in _SIDE_NAMES.get(name, (name,)) if isinstance(name, str)]
+        sides = [s for name in names for s in (_SIDE_NAMES.get(name, (name,)) if isinstance(name, str) else (name,))]
         return [s for s in SIDES if s in sides] + [s for s in sides if s not in SIDES]
 
 
@@ -35,7 +35,7 @@ class Domain(Section):
 
     lower: Vector = [0.0, 0.0, 0.0]
     upper: Vector
-    spacing: PositiveLength = 0.2
+    spacing: Spacing = 0.2
     """Particle spacing dx; particle centres are at lower + (i + 1/2) dx."""
     gravity: Acceleration = [0.0, 0.0, -9.81]
     walls: Walls = Field(default_factory=Walls)

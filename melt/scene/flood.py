@@ -2,7 +2,7 @@
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
+from pydantic import Field, model_validator
 
 from melt.scene.flood_bodies import FloodObstacle, Gauge, Pool, Vector2, Velocity2
 from melt.scene.model import About, Output, Time
@@ -12,9 +12,12 @@ from melt.scene.quantities import (
     NonNegative,
     Number,
     Positive,
+    PositiveCount,
     PositiveLength,
     Section,
+    Seed,
     Share,
+    Spacing,
     quantity,
 )
 from melt.scene.terrain import Friction, Terrain
@@ -46,7 +49,7 @@ class Table(Section):
 class Water(Section):
     """The water: columns of equal mass, the depth follows from how close they stand."""
 
-    spacing: PositiveLength
+    spacing: Spacing
     """Spacing r_0 of columns where the water is reference_depth deep."""
     reference_depth: PositiveLength = 1.0
     """A column holds spacing^2 reference_depth of water (layout equal_mass)."""
@@ -60,11 +63,11 @@ class Water(Section):
     """Adjust the volume of each column until the depth there is what the fill says; not beside free edges of water."""
     settle: Annotated[quantity("time", at_least=0), Field()] = 0.0
     """Relaxation start: let the water come to rest for at most this long before t = 0."""
-    seed: NonNegativeInt = 0
+    seed: Seed = 0
     density: Density = 1000.0
     fill: list[Pool] = []
     """Water at the start ([[fluid.fill]])."""
-    capacity: PositiveInt | None = None
+    capacity: PositiveCount | None = None
     """Columns that the run has room for; what the inflows bring and half as much again unless given."""
     release_height: Annotated[quantity("length", at_least=0), Field()] = 0.0
     """Columns start this far above the terrain and fall (the paper's Figure 10); they join the flow where they land."""
@@ -204,7 +207,7 @@ class FloodSolver(Section):
     """Sub-steps of at most cfl l/(sqrt(g d) + |v|)."""
     first_kick: Literal["half", "full"] = "half"
     """full: symplectic Euler, the paper's."""
-    max_neighbours: PositiveInt | None = None
+    max_neighbours: PositiveCount | None = None
     """Slots of a neighbour list to begin with."""
     top_speed: Annotated[quantity("speed", above=0), Field()] = 50.0
     """A faster column ends the run."""
@@ -225,7 +228,7 @@ class FloodOutput(Output):
     """Write the maps beside the run file when it ends: GeoTIFF (with rasterio) or ESRI ASCII."""
     wet_depth: PositiveLength = 0.02
     """Depth from which a place counts as reached."""
-    gauge_every: PositiveInt = 1
+    gauge_every: PositiveCount = 1
     """Outer steps between gauge readings."""
 
 
@@ -294,5 +297,3 @@ class FloodScene(Section):
         from melt.scene.toml import dumps
 
         return dumps(self.model_dump(exclude_none=True))
-
-

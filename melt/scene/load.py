@@ -9,6 +9,7 @@ import tomllib
 from pydantic import ValidationError
 
 from melt.errors import SceneError
+from melt.paths import is_file
 from melt.scene.flood import FloodScene
 from melt.scene.messages import explain
 from melt.scene.model import Scene
@@ -37,7 +38,7 @@ def find_scene(name):
         SceneError: no such scene; close matches are named.
     """
     path = pathlib.Path(name)
-    if path.is_file():
+    if is_file(path):
         return path
     shipped = shipped_scenes()
     if str(name) in shipped:
@@ -193,7 +194,7 @@ def _resolve_files(item, places):
     for key, value in item.items():
         if key in ("file", "raster") and isinstance(value, str):
             there = (pathlib.Path(place) / value for place in [*places, *data_places()])
-            found = next((path for path in there if path.is_file()), None)
+            found = next(filter(is_file, there), None)
             item[key] = str(found.resolve()) if found else value
         else:
             _resolve_files(value, places)
@@ -207,5 +208,5 @@ def _resolve_meshes(data, folder):
         for item in items if isinstance(items, list) else []:
             if isinstance(item, dict) and isinstance(item.get("file"), str) and folder is not None:
                 beside = pathlib.Path(folder) / item["file"]
-                if beside.is_file():
+                if is_file(beside):
                     item["file"] = str(beside.resolve())

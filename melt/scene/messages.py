@@ -64,17 +64,18 @@ def _allowed(item):
         return f"a list of {count} values"
     plain = {
         "int_type": "a whole number", "int_parsing": "a whole number", "int_from_float": "a whole number",
+        "int_parsing_size": "a whole number", "finite_number": "a whole number", "tuple_type": "a list",
         "bool_type": "true or false", "bool_parsing": "true or false", "string_type": "text",
         "list_type": "a list", "model_type": "a table", "dict_type": "a table",
         "model_attributes_type": "a table",
     }
-    return plain.get(kind, item["msg"])
+    return plain.get(kind, item["msg"].removeprefix("Input should be "))
 
 
 def _model_at(model, path):
     """Return the section model that ``path`` leads to."""
     for key in path:
-        if isinstance(key, int):
+        if key not in model.model_fields:  # a number in a list, or the branch of a union
             continue
         model = _section(model.model_fields[key].annotation)
     return model

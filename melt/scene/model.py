@@ -4,7 +4,7 @@ import difflib
 import math
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, NonNegativeInt, PositiveInt, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from melt.errors import InputError
 from melt.scene.bodies import Fluid, Heater, Inflow, Obstacle, Solid
@@ -13,9 +13,11 @@ from melt.scene.domain import Domain
 from melt.scene.pbf import check_pbf
 from melt.scene.quantities import (
     Conductivity,
+    Count,
     HeatTransfer,
     NonNegative,
     Positive,
+    PositiveCount,
     PositiveTime,
     Section,
     SpecificHeat,
@@ -31,6 +33,7 @@ OUTPUT_FIELDS = (
     " density_ratio viscosity bubble_radius age cargo latent_store depth bed support_radius brake"
 ).split()
 MOST_STEPS = 1_000_000_000
+MOST_SUBSTEPS = 1_000_000  # of an outer step
 #: Thermal sub-steps of a step: more are refused, not waited for.
 SUBSTEPS_LIMIT = 10_000
 
@@ -51,9 +54,9 @@ class Time(Section):
     """Simulated time."""
     dt: PositiveTime = 0.005
     """Outer step: heat, melting and topology once each."""
-    n_sub: PositiveInt | Literal["auto"] = "auto"
+    n_sub: Annotated[int, Field(gt=0, le=MOST_SUBSTEPS)] | Literal["auto"] = "auto"
     """Mechanical sub-steps per outer step."""
-    n_sub_max: PositiveInt = 16
+    n_sub_max: Annotated[int, Field(gt=0, le=MOST_SUBSTEPS)] = 16
     output_every: PositiveTime = 0.05
     """Time between frames, rounded to whole outer steps."""
     checkpoint_every: PositiveTime | Literal["never"] | None = None
@@ -108,7 +111,7 @@ class Heat(Section):
     """Thermal sub-steps; "auto" brings the Fourier number below 0.5."""
     tolerance: Positive | None = None
     """Relative residual of cg: 1e-5 in single and mixed, 1e-8 in double precision unless given."""
-    max_iterations: PositiveInt = 200
+    max_iterations: PositiveCount = 200
     """Cap of cg iterations."""
     latent: bool = False
     """Melting takes up latent heat."""
@@ -116,9 +119,9 @@ class Heat(Section):
     """Cold liquid joins a neighbouring body."""
     hysteresis: TemperatureDifference = 0.5
     """Freezing starts this far below the melting point."""
-    freeze_layers: NonNegativeInt = 2
+    freeze_layers: Count = 2
     """Layers of vacant lattice sites around each body that liquid may freeze to."""
-    nuclei: NonNegativeInt = 0
+    nuclei: Count = 0
     """Bodies that cold liquid may start away from solids, of (2 freeze_layers + 1)^3 particles at most; 0 is off."""
     ambient_temperature: Temperature | None = None
     """Temperature of the air above free surfaces."""

@@ -55,12 +55,17 @@ def _never(value):
     return math.inf if value == "never" else value
 
 
+MOST = 2**31 - 1  # of whole numbers, which the stages take as int32
+Count = Annotated[int, Field(ge=0, le=MOST)]
+PositiveCount = Annotated[int, Field(gt=0, le=MOST)]
+Seed = Annotated[int, Field(ge=0, lt=2**64)]
 Number = quantity("number")
 NonNegative = quantity("number", at_least=0)
 Positive = quantity("number", above=0)
 Share = quantity("number", at_least=0, at_most=1)
 Length = quantity("length")
 PositiveLength = quantity("length", above=0)
+Spacing = quantity("length", above=0, at_most=1e12)  # its cube is a number in any precision
 Time = quantity("time")
 PositiveTime = quantity("time", above=0)
 Density = quantity("density", above=0)

@@ -2,16 +2,18 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
+from pydantic import Field, model_validator
 
 from melt.scene.quantities import (
     DynamicViscosity,
     NonNegative,
     Positive,
+    PositiveCount,
     PositiveLength,
     PositiveTime,
     Rate,
     Section,
+    Seed,
     Share,
     Temperature,
     Vector,
@@ -46,7 +48,7 @@ class Incompressible(Section):
     """Divergence-free solve after viscosity ("late"), or before it as Bender and Koschier have it ("bk")."""
     poisson_tolerance: Annotated[quantity("number", above=0, at_most=0.1), Field()] = 1e-4
     """Relative residual of the pressure Poisson equation (isph, hybrid)."""
-    poisson_iterations: PositiveInt = 500
+    poisson_iterations: PositiveCount = 500
     pull: Annotated[quantity("number", at_least=0, at_most=0.1), Field()] = 0.02
     """Share of a density deficit that the Poisson equation asks back per sub-step; 0 for sprays."""
     clamp: bool = False
@@ -86,7 +88,7 @@ class Apic(Section):
     """False: PIC, to show what it loses."""
     position_rule: Literal["increment", "literal"] = "increment"
     """"literal": positions by the patent's weighted sum, to show that they collapse."""
-    seed: NonNegativeInt = 0
+    seed: Seed = 0
 
 
 class Ghosts(Section):
@@ -98,7 +100,7 @@ class Ghosts(Section):
     """Random displacement of candidates in spacings."""
     fill: Share = 0.5
     """Liquid fill above which a place is not air."""
-    seed: NonNegativeInt = 0
+    seed: Seed = 0
 
 
 class Viscosity(Section):
@@ -134,7 +136,7 @@ class Viscosity(Section):
     """Its outer iterations."""
     tolerance: Annotated[quantity("number", above=0, at_most=0.1), Field()] = 1e-4
     """Relative residual."""
-    max_iterations: PositiveInt = 1000
+    max_iterations: PositiveCount = 1000
     floor: Annotated[quantity("number", above=0, at_most=0.1), Field()] = 1e-4
     """Regularisation eps_v of close pairs in squared support radii."""
 

@@ -2,9 +2,19 @@
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, NonNegativeInt, PositiveInt, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from melt.scene.quantities import DynamicViscosity, NonNegative, Positive, PositiveSpeed, Section, Share, quantity
+from melt.scene.quantities import (
+    Count,
+    DynamicViscosity,
+    NonNegative,
+    Positive,
+    PositiveCount,
+    PositiveSpeed,
+    Section,
+    Share,
+    quantity,
+)
 from melt.scene.slime import INCOMPRESSIBLE, Apic, Ghosts, Incompressible, switched
 
 Width = Annotated[int, Field(ge=0, le=5)]
@@ -41,7 +51,7 @@ class PositionBased(Section):
     """Share a_F of the height in the effect precision; the rest is the share of momentum."""
     minimum_support: Annotated[quantity("number", at_least=1.6), Field()] = 1.8
     """Smallest support radius in spacings."""
-    minimum_iterations: PositiveInt = 2
+    minimum_iterations: PositiveCount = 2
     minimum_precision: Share = 0.0
     """Smallest effect precision."""
     precision_time: Positive = 0.05
@@ -78,7 +88,7 @@ class Solver(Section):
     support: Annotated[quantity("number", above=1, at_most=6), Field()] = None
     """Support radius in spacings, h/dx; 2.5, or 2.2 with pressure = pbf, 2.4 if incompressible, unless given."""
     neighbours: Literal["grid", "kdtree"] = "grid"
-    max_neighbours: PositiveInt | None = None
+    max_neighbours: PositiveCount | None = None
     """Initial capacity of neighbour lists, by the support unless given; it grows when a list overflows."""
     precision: Literal["single", "mixed", "double"] = "mixed"
     """"mixed": positions and their sums in float64, pair work in float32."""
@@ -120,7 +130,7 @@ class Solver(Section):
     """Damping towards region-rigid motion per outer step."""
     rotation: Literal["svd", "horn", "iterative"] = "iterative"
     """Routine of the region rotation."""
-    rotation_iterations: PositiveInt | Literal["auto"] = "auto"
+    rotation_iterations: PositiveCount | Literal["auto"] = "auto"
     """Cap of "iterative": 60 in double, 25 in single and mixed precision."""
     rotation_tolerance: Positive | None = None
     """Of "iterative": 1e-14 (of the squared turn) in double, 1e-7 in single and mixed precision unless given."""
@@ -128,11 +138,11 @@ class Solver(Section):
     """Regions to fill again after melting; all three give the same regions."""
     connect: Literal[6, 18, 26] = 26
     """Voxel neighbours that bond."""
-    melt_every: PositiveInt = 1
+    melt_every: PositiveCount = 1
     """Outer steps between melt tests."""
     melt_to: Literal["water", "own"] = "water"
     """"water": melt becomes the ambient liquid, volume kept; "own": mass kept, V0 = m / liquid_density."""
-    crumb: NonNegativeInt = 0
+    crumb: Count = 0
     """Pieces with fewer particles become liquid at once; 0 is off."""
 
     @model_validator(mode="after")

@@ -16,6 +16,7 @@ from melt.position_based import longest_step, surface_height
 from melt.systems import bubbles
 from melt.systems.liquid_heat import boost, warm
 from melt.systems.melting import search
+from melt.systems.steps import fewest
 
 
 def settings_of(scene, liquid, top_speed, bubble_slots, vapour_slots):
@@ -28,7 +29,7 @@ def settings_of(scene, liquid, top_speed, bubble_slots, vapour_slots):
         spacing=scene.spacing,
         layers=layers,
         compression=pbf.compression,
-        design_speed=max(top_speed, math.sqrt(2 * gravity_of(scene)[0] * max(liquid.depth, scene.spacing))),
+        design_speed=max(top_speed, math.sqrt(2 * gravity_of(scene)[0] * max(liquid.depth, scene.spacing)), 1e-12),
     )
     if scene.solver.pressure == "sph":
         c = sph_sound_speed(scene, liquid.depth)
@@ -194,7 +195,7 @@ def sub_steps(do, dt):
     s = do.settings
     limits = step_limits(do)
     governing = min(limits, key=limits.get)
-    n_sub = s.n_sub or max(1, math.ceil(dt / limits[governing] * (1 - 1e-9)))
+    n_sub = s.n_sub or fewest(dt, limits[governing])
     needed = min(s.longest_step, limits.get("viscosity", math.inf))
     if s.n_sub is None and dt / needed > s.n_sub_max * (1 + 1e-9):
         raise MeltError(_too_many(s, dt))

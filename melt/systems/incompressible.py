@@ -209,10 +209,7 @@ def tell(do, dt, failed):
 def step_limits(do):
     """Return {bound: seconds} of the sub-step: none for viscosity or sound. Spec 2.12."""
     s, clock = do.settings, do.clock
-    speed = max(clock.max_speed, getattr(s, "design_speed", 0.0) if clock.max_speed == 0 else 0.0, 1e-12)
-    for body in getattr(s, "bodies", ()):  # their reach is not known here: a turn counts by the affine bound
-        speed = max(speed, float(np.linalg.norm(body.speed(getattr(clock, "time", 0.0)))))
-    limits = {"speed": s.courant * s.spacing / speed}
+    limits = {"speed": s.courant * s.spacing / max(largest_speed(do), 1e-12)}
     if s.gravity > 0:
         limits["gravity"] = s.courant / 0.4 * 0.25 * math.sqrt(s.spacing / s.gravity)
     turns = [float(np.linalg.norm(body.spin)) for body in getattr(s, "bodies", ())]
@@ -226,9 +223,17 @@ def step_limits(do):
     return limits
 
 
+def largest_speed(do):
+    """Return the speed that sub-steps are laid out for [m/s]: of liquid (at rest, of the start) and of moving bodies."""
+    s, clock = do.settings, do.clock
+    speed = clock.max_speed or getattr(s, "design_speed", 0.0)
+    # the reach of bodies is not known here: a turn counts by the affine bound
+    return max([speed, *(float(np.linalg.norm(body.speed(getattr(clock, "time", 0.0)))) for body in getattr(s, "bodies", ()))])
+
+
 def sub_steps(do, dt):
     """Return (n_sub, dt / n_sub) of an outer step; see `melt.systems.steps.divide`."""
-    remedy = "a coarser domain.spacing"
+    remedy = "set a coarser domain.spacing"
     if not do.need.semi_lagrangian:
         remedy = "set solver.dfsph.semi_lagrangian = true, which lets longer steps of viscous liquids through"
-    return divide(do, dt, step_limits(do), f"largest speed {do.clock.max_speed:.3g} m/s", remedy)
+    return divide(do, dt, step_limits(do), f"largest speed {largest_speed(do):.3g} m/s", remedy)

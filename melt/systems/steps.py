@@ -15,11 +15,11 @@ def divide(do, dt, limits, speeds, remedy):
     """
     s = do.settings
     governing = min(limits, key=limits.get)
-    n_sub = s.n_sub or max(1, math.ceil(dt / limits[governing] * (1 - 1e-9)))
+    n_sub = s.n_sub or fewest(dt, limits[governing])
     if s.n_sub is None and n_sub > s.n_sub_max:
         raise MeltError(
             f"time step: at t = {do.clock.time:.4g} s the bound '{governing}' allows sub-steps of {limits[governing]:.3g} s, "
-            f"{n_sub} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max} ({speeds}): "
+            f"{n_sub:.6g} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max} ({speeds}): "
             f"lower time.dt, raise time.n_sub_max, or {remedy}"
         )
     do.note("n_sub", n_sub)
@@ -27,6 +27,12 @@ def divide(do, dt, limits, speeds, remedy):
     do.note("step_over_limit", dt / n_sub / limits[governing])  # above 1 a given n_sub is too small
     do.warning = ". Fix: ".join(filter(None, over_limit(s, dt, limits))) if s.n_sub else ""
     return n_sub, dt / n_sub
+
+
+def fewest(dt, longest):
+    """Return into how many sub-steps of at most ``longest`` a step is divided, infinity if no number is enough."""
+    wanted = dt / longest if longest > 0 else math.inf
+    return max(1, math.ceil(wanted * (1 - 1e-9))) if math.isfinite(wanted) else math.inf
 
 
 def over_limit(settings, dt, limits):
@@ -37,6 +43,6 @@ def over_limit(settings, dt, limits):
         return "", ""
     return (
         f"time.n_sub = {n_sub} makes sub-steps of {dt / n_sub:.3g} s, the bound '{governing}' allows {most:.3g} s: the run may burst",
-        f"time.n_sub = {math.ceil(dt / most * (1 - 1e-9))}, or 'auto'"
+        f"time.n_sub = {fewest(dt, most):.9g}, or 'auto'"
         + (f", or a fluid.sound_speed below {settings.sound_speed:.3g} m/s" if governing == "sound" else ""),
     )
