@@ -83,6 +83,10 @@ LIST = [
     stage("viscous_turn", "viscous_cg", "slime 2.11", "viscous_residual viscous_block viscous_direction viscous_sums", "",
            "viscous_direction viscous_sums", SUM, partial=True),
     stage("viscous_keep", "viscous_cg", "slime 2.11", "dilation viscous_pressure", "", "viscous_pressure", FEW),
+    # ---- forces on moving bodies
+    stage("pressure_load", "load", "slime 2.11, 3", f"driver position volume mobility solver_pressure {PAIRS}",
+           "poisson fluid period mirror", "body_load", SUM),
+    stage("shear_load", "load", "slime 2.11, 3", f"driver velocity {NEAR} pair_shear", "", "body_load", SUM),
     # ---- S5a: air ghost particles
     stage("ghost_candidates", "ghosts", "slime 2.8", "position phase volume cell_start", "grid smoothing period ghosts", "ghost_state",
            EXACT),

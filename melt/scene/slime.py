@@ -51,6 +51,9 @@ class Incompressible(Section):
     """Share of a density deficit that the Poisson equation asks back per sub-step; 0 for sprays."""
     clamp: bool = False
     """Cut all negative pressure, for sprays that separate; without it only where neighbours are missing."""
+    shift: Annotated[quantity("number", at_least=0, at_most=0.1), Field()] = 0.0
+    """Shift of particles from crowded to empty places in a sub-step, in squared support radii times the gradient of their
+    number; keeps liquid without a surface (fluid.enclosed, or all axes periodic) in order where pressure is negative."""
     courant: Annotated[quantity("number", above=0, at_most=5), Field()] = None
     """Spacings that the fastest particle may move in a sub-step: 0.4, or 2 with semi_lagrangian, unless given."""
     semi_lagrangian: bool = False

@@ -24,6 +24,7 @@ class Solved(NamedTuple):
     residual: float  # mean error, or relative residual
     largest: float  # largest error of a particle (of conjugate gradients: the residual again)
     converged: bool
+    loads: tuple = ()  # (kind, force (3, bodies) [N]) on moving bodies, where they are measured
 
     @property
     def finite(self):
@@ -78,7 +79,7 @@ def _jacobi(do, dt, name, tolerance, least):
         tally(do, "relaxations", 1)
     do.pressure_kick(dt=dt)
     do.pressure_keep(density_impulse=impulse, dt=dt)
-    return solved
+    return solved._replace(loads=_pressure_loads(do, 0.0))
 
 
 def _iterate(do, dt, name, tolerance, least):
@@ -117,7 +118,7 @@ def project(do, dt):
     do.poisson_finish(completed_ratio=_ratio(do))
     do.poisson_acceleration()
     do.pressure_kick(dt=dt)
-    return solved
+    return solved._replace(loads=_pressure_loads(do, 1.0))
 
 
 def _ratio(do):
@@ -148,7 +149,25 @@ def viscous(do, dt):
             do.dilation()
             do.viscous_keep()
     worst = max(found, key=lambda f: f.residual if f.residual == f.residual else math.inf)
-    return worst._replace(iterations=sum(f.iterations for f in found), converged=all(f.converged for f in found))
+    loads = ()
+    if do.need.loads:
+        do.shear_load()
+        loads = (("shear", _load(do)),)
+        if do.need.augmented:
+            loads += _pressure_loads(do, 0.0, "viscous_pressure")
+    return worst._replace(iterations=sum(f.iterations for f in found), converged=all(f.converged for f in found), loads=loads)
+
+
+def _pressure_loads(do, mirror, field="solver_pressure"):
+    """Return the force of a solve's pressure on moving bodies, where it is measured; ``mirror``: what the solve has in walls."""
+    if not do.need.loads:
+        return ()
+    do.pressure_load(solver_pressure=field, mirror=mirror)
+    return (("pressure", _load(do)),)
+
+
+def _load(do):
+    return np.asarray(do.read("body_load"), np.float64).sum(axis=2)
 
 
 def _conjugate(do, name, tolerance, limit, apply):
@@ -174,6 +193,22 @@ def tally(do, name, count):
     """Add to a count of this outer step."""
     total = do.clock.tally[name] = do.clock.tally.get(name, 0) + count
     do.note(name, total)
+
+
+def tally_loads(do, found, dt):
+    """Add the impulse that the solves of a sub-step gave to moving bodies; `mean_loads` makes forces of it."""
+    for solved in found:
+        for kind, force in solved.loads:
+            for body, name in do.settings.measured:
+                for axis, value in zip("xyz", force[:, body]):
+                    tally(do, f"force/{name}/{kind}_{axis}", float(value) * dt)
+
+
+def mean_loads(do, dt):
+    """Note the mean force over an outer step of ``dt`` on each body whose force is measured [N]."""
+    for name, impulse in do.clock.tally.items():
+        if name.startswith("force/"):
+            do.note(name, impulse / dt)
 
 
 def told(do, solved):
