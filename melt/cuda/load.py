@@ -2,19 +2,19 @@
 
 from melt._compile import cuda, cuda_kernel
 from melt.physics.period import wrap
+from melt.physics.poisson import wall_rise
 
 
 @cuda_kernel
 def _pressure_load(
-    driver, position, volume, mobility, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-    poisson, fluid, period, mirror, body_load,
+    driver, position, velocity, velocity_kept, volume, mobility, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
+    poisson, fluid, period, mirror, dt, body_load,
 ):
     share = cuda.grid(1)
     if share >= 64:
         return
     real, wide = volume.dtype.type, body_load.dtype.type
-    rho = poisson.rest_density
-    gx, gy, gz = rho * fluid.gravity_x, rho * fluid.gravity_y, rho * fluid.gravity_z
+    per_dt = real(1) / dt
     n = volume.shape[0]
     for body in range(body_load.shape[1]):
         body_load[0, body, share] = body_load[1, body, share] = body_load[2, body, share] = wide(0)
@@ -22,31 +22,34 @@ def _pressure_load(
         if not mobility[i] > real(0):
             continue
         p, V = solver_pressure[i], volume[i]
-        most = real(6) * max(p, real(0))
         for k in range(neighbour_count[i]):
             j = neighbour_index[i, k]
             body = driver[j]
             if body < 0:
                 continue
-            below = (
-                gx * real(wrap(position[0, j] - position[0, i], period.length_x, period.inverse_x))
-                + gy * real(wrap(position[1, j] - position[1, i], period.length_y, period.inverse_y))
-                + gz * real(wrap(position[2, j] - position[2, i], period.length_z, period.inverse_z))
+            rise = wall_rise(
+                real(wrap(position[0, j] - position[0, i], period.length_x, period.inverse_x)),
+                real(wrap(position[1, j] - position[1, i], period.length_y, period.inverse_y)),
+                real(wrap(position[2, j] - position[2, i], period.length_z, period.inverse_z)),
+                fluid.gravity_x - per_dt * (velocity[0, j] - velocity_kept[0, j]),
+                fluid.gravity_y - per_dt * (velocity[1, j] - velocity_kept[1, j]),
+                fluid.gravity_z - per_dt * (velocity[2, j] - velocity_kept[2, j]),
+                p, poisson,
             )
-            c = V * (p + mirror * (p + max(-most, min(below, most))))
+            c = V * (p + mirror * (p + rise))
             body_load[0, body, share] += wide(c * pair_gradient[0, i, k])
             body_load[1, body, share] += wide(c * pair_gradient[1, i, k])
             body_load[2, body, share] += wide(c * pair_gradient[2, i, k])
 
 
 def pressure_load(
-    driver, position, volume, mobility, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-    poisson, fluid, period, mirror, body_load,
+    driver, position, velocity, velocity_kept, volume, mobility, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
+    poisson, fluid, period, mirror, dt, body_load,
 ):
     """See `melt.reference.load.pressure_load`."""
     _pressure_load.launch(
-        64, driver, position, volume, mobility, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-        poisson, fluid, period, mirror, body_load,
+        64, driver, position, velocity, velocity_kept, volume, mobility, solver_pressure, neighbour_count, neighbour_index,
+        pair_gradient, poisson, fluid, period, mirror, dt, body_load,
     )
 
 

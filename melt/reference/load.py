@@ -25,26 +25,28 @@ def _sums(driver, neighbour_count, neighbour_index, force, body_load):
 
 
 def pressure_load(
-    driver, position, volume, mobility, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
-    poisson, fluid, period, mirror, body_load,
+    driver, position, velocity, velocity_kept, volume, mobility, solver_pressure, neighbour_count, neighbour_index, pair_gradient,
+    poisson, fluid, period, mirror, dt, body_load,
 ):
     """Write 64 partial sums of V_i (p_i + p_j) g_ij over pairs of free liquid i and body j.
 
-    ``mirror`` 1: p_j = p_i + rho_0 g.(x_j - x_i), the second part within 6 p_i, as `poisson_acceleration` has it in walls; 0:
-    p_j = 0, as `pressure_acceleration` has it.
+    ``mirror`` 1: p_j = p_i + rho_0 (g - a_j).(x_j - x_i), as `poisson_acceleration` has it in walls; 0: p_j = 0, as
+    `pressure_acceleration` has it.
 
-    Reads: driver (n,): the body or -1, position (3, n) [m], volume (n,) [m^3], mobility (n,) [1/kg] (0: given velocity),
+    Reads: driver (n,): the body or -1, position (3, n) [m], velocity, velocity_kept (3, n) [m/s], volume (n,) [m^3], mobility (n,) [1/kg] (0: given velocity),
         solver_pressure (n,) [Pa], the lists, pair_gradient (3, n, m) [1/m].
     Writes: body_load (3, bodies, 64) [N].
     """
     p, x = solver_pressure.astype(float), position.astype(float)
+    moved = (velocity.astype(float) - velocity_kept) / float(dt)
     gravity = np.array([fluid.gravity_x, fluid.gravity_y, fluid.gravity_z], float)
 
     def force(i, near):
         if not mobility[i] > 0:
             return np.zeros((3, len(near)))
-        most = 6 * max(p[i], 0.0)
-        below = float(poisson.rest_density) * (gravity @ nearest(x[:, near] - x[:, i, None], period))
+        most = 6 * max(p[i], 0.0) if poisson.full > 0 else np.inf
+        d = nearest(x[:, near] - x[:, i, None], period)
+        below = float(poisson.rest_density) * ((gravity[:, None] - moved[:, near]) * d).sum(axis=0)
         both = p[i] + float(mirror) * (p[i] + np.clip(below, -most, most))
         return float(volume[i]) * both * pair_gradient[:, i, : len(near)].astype(float)
 

@@ -79,7 +79,7 @@ def _jacobi(do, dt, name, tolerance, least):
         tally(do, "relaxations", 1)
     do.pressure_kick(dt=dt)
     do.pressure_keep(density_impulse=impulse, dt=dt)
-    return solved._replace(loads=_pressure_loads(do, 0.0))
+    return solved._replace(loads=_loads(do, "pressure"))
 
 
 def _iterate(do, dt, name, tolerance, least):
@@ -88,6 +88,8 @@ def _iterate(do, dt, name, tolerance, least):
     since, before = 0, math.inf  # iterations since the momentum began
     for k in range(do.settings.max_iterations + 1):
         do.pressure_acceleration()
+        if do.need.loads:  # of the pressure that acts, not of what the update makes of it
+            do.pressure_load(mirror=0.0, dt=dt)
         do.pressure_update(dt=dt)
         sums = np.asarray(do.read("pressure_error"), np.float64)
         mean, largest = float(sums[0].sum() / max(sums[2].sum(), 1)), float(sums[1].max())
@@ -116,9 +118,11 @@ def project(do, dt):
         do.poisson_start(completed_ratio=_ratio(do), dt=dt, shift=float(sums[1] / max(sums[2], 1)))
     solved = _conjugate(do, "poisson", do.settings.poisson_tolerance, do.settings.poisson_iterations, lambda: do.poisson_apply())
     do.poisson_finish(completed_ratio=_ratio(do))
-    do.poisson_acceleration()
+    do.poisson_acceleration(dt=dt)
     do.pressure_kick(dt=dt)
-    return solved._replace(loads=_pressure_loads(do, 1.0))
+    if do.need.loads:
+        do.pressure_load(mirror=1.0, dt=dt)
+    return solved._replace(loads=_loads(do, "pressure"))
 
 
 def _ratio(do):
@@ -149,25 +153,28 @@ def viscous(do, dt):
             do.dilation()
             do.viscous_keep()
     worst = max(found, key=lambda f: f.residual if f.residual == f.residual else math.inf)
-    loads = ()
-    if do.need.loads:
-        do.shear_load()
-        loads = (("shear", _load(do)),)
-        if do.need.augmented:
-            loads += _pressure_loads(do, 0.0, "viscous_pressure")
-    return worst._replace(iterations=sum(f.iterations for f in found), converged=all(f.converged for f in found), loads=loads)
+    return worst._replace(iterations=sum(f.iterations for f in found), converged=all(f.converged for f in found), loads=_viscous_loads(do, dt))
 
 
-def _pressure_loads(do, mirror, field="solver_pressure"):
-    """Return the force of a solve's pressure on moving bodies, where it is measured; ``mirror``: what the solve has in walls."""
+def _viscous_loads(do, dt):
+    """Return what viscosity, and the pressure that was solved with it, push moving bodies with."""
     if not do.need.loads:
         return ()
-    do.pressure_load(solver_pressure=field, mirror=mirror)
-    return (("pressure", _load(do)),)
+    do.shear_load()
+    loads = _loads(do, "shear")
+    if do.need.augmented:
+        do.pressure_load(solver_pressure="viscous_pressure", mirror=0.0, dt=dt)
+        loads += _loads(do, "pressure")
+    return loads
 
 
-def _load(do):
-    return np.asarray(do.read("body_load"), np.float64).sum(axis=2)
+def _loads(do, kind):
+    """Return `Solved.loads` of the sums in `body_load`."""
+    if not do.need.loads:
+        return ()
+    if do.recording:
+        return ((kind, np.zeros((3, len(do.settings.bodies)))),)
+    return ((kind, np.asarray(do.read("body_load"), np.float64).sum(axis=2)),)
 
 
 def _conjugate(do, name, tolerance, limit, apply):
