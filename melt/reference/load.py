@@ -33,8 +33,8 @@ def pressure_load(
     ``mirror`` 1: p_j = p_i + rho_0 (g - a_j).(x_j - x_i), as `poisson_acceleration` has it in walls; 0: p_j = 0, as
     `pressure_acceleration` has it.
 
-    Reads: driver (n,): the body or -1, position (3, n) [m], velocity, velocity_kept (3, n) [m/s], volume (n,) [m^3], mobility (n,) [1/kg] (0: given velocity),
-        solver_pressure (n,) [Pa], the lists, pair_gradient (3, n, m) [1/m].
+    Reads: driver (n,): the body or -1, position (3, n) [m], velocity, velocity_kept (3, n) [m/s], volume (n,) [m^3], mobility
+        (n,) [1/kg] (0: given velocity), solver_pressure (n,) [Pa], the lists, pair_gradient (3, n, m) [1/m].
     Writes: body_load (3, bodies, 64) [N].
     """
     p, x = solver_pressure.astype(float), position.astype(float)

@@ -94,7 +94,7 @@ def poisson_acceleration(
     position, velocity, velocity_kept, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count,
     neighbour_index, pair_gradient, poisson, fluid, period, dt, pressure_acceleration,
 ):
-    """Write a_i = -mobility_i V_i sum_j (p_i + p_j) g_ij, p_j = p_i + rho_0 (g - a_j).(x_j - x_i) for walls and all else without a pressure.
+    """Write a_i = -mobility_i V_i sum_j (p_i + p_j) g_ij; of walls, all without pressure, p_j = p_i + rho_0 (g - a_j).(x_j - x_i).
 
     The pressure in a wall is what water that moves with it, a_j = (velocity - velocity_kept)/dt, would have there (Adami et
     al. 2012), off p_i by 6 p_i at most, unless ``poisson.full`` is 0: with p_j = p_i alone the lowest layer keeps half of

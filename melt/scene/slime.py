@@ -225,8 +225,8 @@ def check_incompressible(scene):
     full = f.enclosed or len(scene.domain.periodic) == scene.domain.dimensions
     if s.dfsph.shift > 0 and (not full or s.apic is not None or s.dfsph.semi_lagrangian):
         raise ValueError(
-            "solver.dfsph.shift moves particles to where there are fewer, which is out of a free surface: set fluid.enclosed = true if there "
-            "is none, leave [solver.apic] and semi_lagrangian out, or set shift = 0"
+            "solver.dfsph.shift moves particles to where there are fewer, which is out of a free surface: set fluid.enclosed = true "
+            "if there is none, leave [solver.apic] and semi_lagrangian out, or set shift = 0"
         )
     if scene.elastic is not None and s.apic is None:
         raise ValueError("[elastic] lives on APIC particles: add [solver.apic]")

@@ -153,7 +153,8 @@ def viscous(do, dt):
             do.dilation()
             do.viscous_keep()
     worst = max(found, key=lambda f: f.residual if f.residual == f.residual else math.inf)
-    return worst._replace(iterations=sum(f.iterations for f in found), converged=all(f.converged for f in found), loads=_viscous_loads(do, dt))
+    done = all(f.converged for f in found)
+    return worst._replace(iterations=sum(f.iterations for f in found), converged=done, loads=_viscous_loads(do, dt))
 
 
 def _viscous_loads(do, dt):
