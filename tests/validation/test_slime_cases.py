@@ -10,6 +10,7 @@ from experiments import _slime_patch as patch
 from experiments import _slime_plates as plates
 from experiments import _slime_rest as rest
 from experiments import slime_analytic, slime_square
+from experiments._slime_spread import sheared
 from experiments._slime_runs import liquid, start
 
 
@@ -106,3 +107,9 @@ def test_drag_on_a_square_that_starts_to_move():
     pressure, shear, p, v = at[1.25]
     assert pressure + shear == pytest.approx(p + v, rel=0.1)
     assert 0.9 < found["least"] and found["most"] < 1.1
+
+
+def test_an_elastic_liquid_is_sheared():
+    """Stress and normal stress difference grow as those of Oldroyd-B; the liquid itself needs a tenth of this to start."""
+    found = sheared(0.3)
+    assert [found[name] for name in ("tau", "N1", "rate")] == pytest.approx([1, 1, 1], abs=0.03)  # 0.993, 0.984, 0.999
