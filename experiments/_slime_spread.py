@@ -10,10 +10,10 @@ MU, RHO, G = 200.0, 1000.0, 9.81
 HALF = 0.25  # area of a half of the heap [m^2]
 
 
-def heap(across, end=5.0):
+def heap(across, end=12.0):
     """A heap, 1 m wide and 0.5 m high, spreads to both sides; return exponent and factor of its front (Huppert 1982, in the plane).
 
-    x_N = 1.411 (g q^2/(3 nu))^(1/5) t^(1/5), q the area of a half. Judged where the front is beyond 10 mean heights.
+    x_N = 1.411 (g q^3/(3 nu))^(1/5) t^(1/5), q the area of a half. Judged where the front is beyond 10 mean heights.
     """
     d = 0.5 / across
     scene = scene_from_dict({
@@ -34,7 +34,7 @@ def heap(across, end=5.0):
     if far.sum() < 10:
         return {"exponent": np.nan, "factor": np.nan, "front": float(x_N[-1]), "n": len(x)}
     exponent = np.polyfit(np.log(t[far]), np.log(x_N[far]), 1)[0]
-    scale = (G * HALF**2 * RHO / (3 * MU) * t[far]) ** 0.2
+    scale = (G * HALF**3 * RHO / (3 * MU) * t[far]) ** 0.2
     return {"exponent": float(exponent), "factor": float((x_N[far] / scale)[-1] / 1.411), "front": float(x_N[-1]),
             "height": float(height[-1] / (HALF / x_N[-1])), "n": len(x)}
 
