@@ -13,7 +13,7 @@ HALF = 0.25  # area of a half of the heap [m^2]
 def heap(across, end=12.0):
     """A heap, 1 m wide and 0.5 m high, spreads to both sides; return exponent and factor of its front (Huppert 1982, in the plane).
 
-    x_N = 1.411 (g q^3/(3 nu))^(1/5) t^(1/5), q the area of a half. Judged where the front is beyond 10 mean heights.
+    x_N = 1.411 (g q^3/(3 nu))^(1/5) t^(1/5), q the area of a half. Judged where the front is beyond 5 mean heights.
     """
     d = 0.5 / across
     scene = scene_from_dict({
@@ -30,7 +30,7 @@ def heap(across, end=12.0):
         front.append((np.ptp(x[:, 0]) + d) / 2)
         height.append(2 * x[:, 2].mean())
     t, x_N = np.array(times), np.array(front)
-    far = x_N * x_N > 10 * HALF  # the mean height is HALF/x_N
+    far = x_N * x_N > 5 * HALF  # the mean height is HALF/x_N
     if far.sum() < 10:
         return {"exponent": np.nan, "factor": np.nan, "front": float(x_N[-1]), "n": len(x)}
     exponent = np.polyfit(np.log(t[far]), np.log(x_N[far]), 1)[0]
