@@ -5,8 +5,8 @@ holds it (B = w). The column hangs from a wall, 8 wide and 64 long; its tip sink
 before the correction for the clamped end; viscosity and pressure solved one after the other ("split") let it fall too fast.
 The drop swings by its surface tension, with w^2 = 6 sigma/(rho R^3). The dam break must not gain energy, nor outrun Ritter.
 A heap of 200 Pa s, 1 m wide and 0.5 m high, spreads on a floor to 1.411 (g q^3/(3 nu))^(1/5) t^(1/5) (Huppert; q: half its area); its
-front is fitted where it is beyond 5 mean heights, its factor is that of the end (12 s). An Oldroyd-B liquid between plates (20 across, 0.5 s, 2/s) has shear stress and
-normal stress difference of its polymer in the middle of the gap.
+front is fitted where it is beyond 5 mean heights, its factor is that of the end (12 s). An Oldroyd-B liquid between plates (20
+across, l = 0.5 s, 2/s) has shear stress and normal stress difference of its polymer in the middle of the gap.
 """
 
 import h5py
