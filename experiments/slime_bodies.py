@@ -4,12 +4,16 @@ Two dimensions but for the dam break. The stiff body is a block of 1e6 Pa s: it 
 holds it (B = w). The column hangs from a wall, 8 wide and 64 long; its tip sinks with rho g L^2/(8 mu) in slender theory,
 before the correction for the clamped end; viscosity and pressure solved one after the other ("split") let it fall too fast.
 The drop swings by its surface tension, with w^2 = 6 sigma/(rho R^3). The dam break must not gain energy, nor outrun Ritter.
+A heap of 200 Pa s, 1 m wide and 0.5 m high, spreads on a floor to 1.411 (g q^3/(3 nu))^(1/5) t^(1/5) (Huppert; q: half its area); its
+front is fitted where it is beyond 5 mean heights, its factor is that of the end (12 s). An Oldroyd-B liquid between plates (20
+across, l = 0.5 s, 2/s) has shear stress and normal stress difference of its polymer in the middle of the gap.
 """
 
 import h5py
 import numpy as np
 
 from experiments import Row
+from experiments._slime_spread import heap, sheared
 from melt.scene import load_scene, scene_from_dict
 from melt.simulation import Simulation
 
@@ -124,6 +128,8 @@ CASES = {
     "stiff, falls, pull 0.02": (stiff, (False, 0.02)), "stiff, turns once, pull 0.02": (stiff, (True, 0.02)),
     "column, al": (column, ("al",)), "column, split": (column, ("split",)),
     "drop, h = 3 d0": (drop, (3.0,)), "drop, h = 2.6 d0": (drop, (2.6,)), "dam": (dam, ()),
+    "heap, 15 high": (heap, (15,)), "heap, 30 high": (heap, (30,)),
+    "Oldroyd-B, t = l": (sheared, (0.5,)), "Oldroyd-B, t = 3 l": (sheared, (1.5,)),
 }
 QUICK = ("stiff, falls",)
 
@@ -153,6 +159,11 @@ JUDGED = {
     "column, split": [("speed of the tip over rho g L^2/(8 mu)", "ratio", "> 1.4", 1.4, 1e9, "> 1.4 (its defect)")],
     "drop, h = 3 d0": [("half period over the exact one", "half", "1", 0.95, 1.05, "within 5 %")],
     "drop, h = 2.6 d0": [("half period over the exact one", "half", "1", 0.95, 1.05, "within 5 %")],
+    **{name: [("exponent of the front", "exponent", "0.2", 0.19, 0.21, "within 0.01"),
+              ("front over Huppert's at the end", "factor", "1", 0.9, 1.1, "within 10 %")] for name in ("heap, 15 high", "heap, 30 high")},
+    **{name: [("shear stress over the exact one", "tau", "1", 0.95, 1.05, "within 5 %"),
+              ("normal stress difference over the exact one", "N1", "1", 0.95, 1.05, "within 5 %")]
+       for name in ("Oldroyd-B, t = l", "Oldroyd-B, t = 3 l")},
     "dam": [("largest gain of energy in a step over all that is lost", "gain", "<= 0", -1e9, 0.0, "<= 0"),
             ("front over Ritter's 2 sqrt(g H) t", "front", "<= 1", -1e9, 1.0, "<= 1")],
 }

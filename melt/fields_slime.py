@@ -56,10 +56,13 @@ TABLE = [
     # nodes: motion
     ("position_kept", "3 particle", "position", "m", "spacing", "position at the start of the sub-step"),
     ("velocity_kept", "3 particle", "real", "m/s", "speed", "velocity at the start of the sub-step"),
+    ("velocity_transport", "3 particle", "real", "m/s", "speed", "velocity that moves the particles: their own, and the shift"),
+    ("background_pressure", "particle", "real", "Pa", "pressure", "a constant, whose gradient is that of disorder alone"),
     ("velocity_correction", "3 particle", "real", "m/s", "speed", "velocity minus that which led to where forces are solved"),
     ("node_state", "particle", "int", "1", "", "1 for a node without mass, which takes part in nothing"),
     ("driver", "particle", "int", "1", "", "moving body of a driven particle, -1 for none"),
     ("driver_motion", "10 driver", "real", "m/s, 1/s, m, s", "speed", "velocity, spin, centre of a moving body, and k of its turn"),
+    ("body_load", "3 driver reduction", "double", "N", "force", "partial sums of the liquid's force on a moving body"),
     ("nozzle_place", "8 nozzle", "real", "m", "spacing",
      "centre of the outlet (3), direction (3), length and radius within which liquid is held"),
     ("nozzle_speed", "nozzle", "real", "m/s", "speed", "speed of the liquid in it"),

@@ -63,8 +63,8 @@ LIST = [
     stage("poisson_finish", "poisson", "slime 2.9", "density_ratio completed_ratio poisson_diagonal poisson_pressure", "poisson",
            "poisson_pressure solver_pressure", FEW),
     stage("poisson_acceleration", "poisson", "slime 2.9",
-           f"position volume mobility poisson_diagonal solver_pressure surface_pressure {PAIRS}",
-           "poisson fluid period", "pressure_acceleration", STIFF),
+           f"position velocity velocity_kept volume mobility poisson_diagonal solver_pressure surface_pressure {PAIRS}",
+           "poisson fluid period dt", "pressure_acceleration", STIFF),
     # ---- S6b: viscosity
     stage("shear_rate", "viscosity_law", "slime 2.11", f"velocity {PAIRS}", "", "shear_rate", SUM),
     stage("viscosity", "viscosity_law", "slime 2.11", "phase temperature shear_rate", "viscous", "viscosity", SUM),
@@ -83,6 +83,10 @@ LIST = [
     stage("viscous_turn", "viscous_cg", "slime 2.11", "viscous_residual viscous_block viscous_direction viscous_sums", "",
            "viscous_direction viscous_sums", SUM, partial=True),
     stage("viscous_keep", "viscous_cg", "slime 2.11", "dilation viscous_pressure", "", "viscous_pressure", FEW),
+    # ---- forces on moving bodies
+    stage("pressure_load", "load", "slime 2.11, 3", f"driver position velocity velocity_kept volume mobility solver_pressure {PAIRS}",
+           "poisson fluid period mirror dt", "body_load", SUM),
+    stage("shear_load", "load", "slime 2.11, 3", f"driver velocity {NEAR} pair_shear", "", "body_load", SUM),
     # ---- S5a: air ghost particles
     stage("ghost_candidates", "ghosts", "slime 2.8", "position phase volume cell_start", "grid smoothing period ghosts", "ghost_state",
            EXACT),

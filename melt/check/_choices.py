@@ -109,6 +109,7 @@ TUPLES = {
 #: Scalars: value; an int stays int32, a float gets the run's precision.
 SCALARS = {
     "dt": 1e-3,
+    "mirror": 1.0,
     "smallest": 3,
     "factor": 0.3,
     "full_neighbours": 80.0,

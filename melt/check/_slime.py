@@ -7,7 +7,7 @@ from melt.check._cloud import CELL, INACTIVE, LIQUID, SOLID, SPACING, SUPPORT
 #: Files of stages that are checked with these fields in place of those of the position based fluid.
 FILES = {
     "periodic", "slime_motion", "pairs", "dfsph_source", "dfsph", "poisson", "poisson_cg", "viscosity_law", "viscous", "viscous_cg",
-    "ghosts", "ghost_sums", "apic_weights", "apic_nodes", "apic_back", "apic_stress", "apic_emit", "surface_pressure",
+    "ghosts", "ghost_sums", "apic_weights", "apic_nodes", "apic_back", "apic_stress", "apic_emit", "surface_pressure", "load",
 }
 VOLUME = SPACING**3
 APICS, GHOST_SLOTS = 601, 4000

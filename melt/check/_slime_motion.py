@@ -21,6 +21,7 @@ BOXES = (
 )
 EXTRA = {
     **{name: [PERIODS] for name in ("advect", "slime_bounds")},
+    "pressure_load": [{"mirror": 0.0}],
     "pair_gradient": [PERIODS, {"dimension": 2}, {"dimension": 2, "kernel": 1}],
     "neighbours_periodic": [{"capacity": 20}, *({**each, "capacity": 160} for each in BOXES)],
 }
@@ -75,7 +76,7 @@ def _boxed(arrays, grid, choice):
 def adapted(stage, arrays, grid, choice):
     """Return the scene of a stage of slime as its file and its variant ask."""
     rng = np.random.default_rng(len(arrays["phase"]) + 7)
-    if stage.file == "slime_motion":
+    if stage.file in ("slime_motion", "load"):
         arrays = {**arrays, **_motion(arrays, rng)}
     if stage.name == "neighbours_periodic" and "nx" in choice:
         return {**arrays, **_boxed(arrays, grid, choice)}

@@ -3,7 +3,7 @@
 from melt._compile import cuda, cuda_kernel
 from melt.cuda._poisson import dot
 from melt.physics.period import wrap
-from melt.physics.poisson import poisson_entry, present_volume
+from melt.physics.poisson import poisson_entry, present_volume, wall_rise
 
 
 @cuda_kernel
@@ -140,30 +140,31 @@ def poisson_start(
 
 @cuda_kernel
 def _poisson_acceleration(
-    position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count, neighbour_index,
-    pair_gradient, poisson, fluid, period, pressure_acceleration,
+    position, velocity, velocity_kept, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count,
+    neighbour_index, pair_gradient, poisson, fluid, period, dt, pressure_acceleration,
 ):
     i = cuda.grid(1)
     if i >= volume.shape[0]:
         return
     real = volume.dtype.type
-    rho = poisson.rest_density
-    gx, gy, gz = rho * fluid.gravity_x, rho * fluid.gravity_y, rho * fluid.gravity_z
+    per_dt = real(1) / dt
     x_i, y_i, z_i = position[0, i], position[1, i], position[2, i]
     x = y = z = real(0)
     if mobility[i] > real(0):
         p = solver_pressure[i]
-        most = real(6) * max(p, real(0))
         twice = real(2) * surface_pressure[i] if surface_pressure.shape[0] > 0 else real(0)
         for k in range(neighbour_count[i]):
             j = neighbour_index[i, k]
-            # what water at rest would add between here and there
-            below = (
-                gx * real(wrap(position[0, j] - x_i, period.length_x, period.inverse_x))
-                + gy * real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y))
-                + gz * real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z))
+            # what water that moves with the wall would add between here and there
+            below = wall_rise(
+                real(wrap(position[0, j] - x_i, period.length_x, period.inverse_x)),
+                real(wrap(position[1, j] - y_i, period.length_y, period.inverse_y)),
+                real(wrap(position[2, j] - z_i, period.length_z, period.inverse_z)),
+                fluid.gravity_x - per_dt * (velocity[0, j] - velocity_kept[0, j]),
+                fluid.gravity_y - per_dt * (velocity[1, j] - velocity_kept[1, j]),
+                fluid.gravity_z - per_dt * (velocity[2, j] - velocity_kept[2, j]),
+                p, poisson,
             )
-            below = max(-most, min(below, most))
             both = p + (solver_pressure[j] if poisson_diagonal[j] > real(0) else p + below) - twice
             x += both * pair_gradient[0, i, k]
             y += both * pair_gradient[1, i, k]
@@ -175,13 +176,13 @@ def _poisson_acceleration(
 
 
 def poisson_acceleration(
-    position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count, neighbour_index,
-    pair_gradient, poisson, fluid, period, pressure_acceleration,
+    position, velocity, velocity_kept, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count,
+    neighbour_index, pair_gradient, poisson, fluid, period, dt, pressure_acceleration,
 ):
     """See `melt.reference.poisson.poisson_acceleration`."""
     _poisson_acceleration.launch(
-        volume.shape[0], position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count,
-        neighbour_index, pair_gradient, poisson, fluid, period, pressure_acceleration,
+        volume.shape[0], position, velocity, velocity_kept, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure,
+        neighbour_count, neighbour_index, pair_gradient, poisson, fluid, period, dt, pressure_acceleration,
     )
 
 

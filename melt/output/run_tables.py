@@ -34,6 +34,8 @@ def series_unit(name, paper=False):
         return SERIES[name][0]
     if name.startswith("ms/"):
         return "ms"
+    if name.startswith("force/"):
+        return "N"
     words = name.replace("/", "_").split("_")
     if "error" in words:
         return "1"

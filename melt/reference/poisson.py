@@ -91,24 +91,27 @@ def _times(i, near, pair_poisson, poisson_ghost, p):
 
 
 def poisson_acceleration(
-    position, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count, neighbour_index,
-    pair_gradient, poisson, fluid, period, pressure_acceleration,
+    position, velocity, velocity_kept, volume, mobility, poisson_diagonal, solver_pressure, surface_pressure, neighbour_count,
+    neighbour_index, pair_gradient, poisson, fluid, period, dt, pressure_acceleration,
 ):
-    """Write a_i = -mobility_i V_i sum_j (p_i + p_j) g_ij, p_j = p_i + rho_0 g.(x_j - x_i) for walls and all else without a pressure.
+    """Write a_i = -mobility_i V_i sum_j (p_i + p_j) g_ij; of walls, all without pressure, p_j = p_i + rho_0 (g - a_j).(x_j - x_i).
 
-    The pressure in a wall is what water at rest would have there (Adami et al. 2012), off p_i by 6 p_i at most: with
-    p_j = p_i alone the lowest layer keeps half of its weight. Tangential velocities take no part, or walls would brake.
+    The pressure in a wall is what water that moves with it, a_j = (velocity - velocity_kept)/dt, would have there (Adami et
+    al. 2012), off p_i by 6 p_i at most, unless ``poisson.full`` is 0: with p_j = p_i alone the lowest layer keeps half of
+    its weight. Tangential velocities take no part, or walls would brake.
     With surface tension the ghosts' share, -2 p_s sum_g V_g grad W, is 2 p_s sum_j g_ij, as all gradients together sum
     to zero.
-    Reads: position (3, n) [m], volume (n,) [m^3], mobility (n,) [1/kg], poisson_diagonal (n,) [m] (0: no pressure), solver_pressure (n,)
-        [Pa], the lists, pair_gradient (3, n, m) [1/m].
+    Reads: position (3, n) [m], velocity, velocity_kept (3, n) [m/s], volume (n,) [m^3], mobility (n,) [1/kg], poisson_diagonal (n,)
+        [m] (0: no pressure), solver_pressure (n,) [Pa], the lists, pair_gradient (3, n, m) [1/m].
     Writes: pressure_acceleration (3, n) [m/s^2].
     """
     p, V, w = (a.astype(float) for a in (solver_pressure, volume, mobility))
+    moved = (velocity.astype(float) - velocity_kept) / float(dt)
     gravity = np.array([fluid.gravity_x, fluid.gravity_y, fluid.gravity_z], float)
     for i, near in rows(neighbour_count, neighbour_index):
         d = nearest(position[:, near].astype(float) - position[:, i, None].astype(float), period)
-        below, most = float(poisson.rest_density) * (gravity @ d), 6 * max(p[i], 0.0)
+        below = float(poisson.rest_density) * ((gravity[:, None] - moved[:, near]) * d).sum(axis=0)
+        most = 6 * max(p[i], 0.0) if poisson.full > 0 else np.inf
         other = np.where(poisson_diagonal[near] > 0, p[near], p[i] + np.clip(below, -most, most))
         g = pair_gradient[:, i, : len(near)].astype(float)
         p_s = float(surface_pressure[i]) if len(surface_pressure) else 0.0

@@ -143,6 +143,9 @@ class Fluid(Section):
     """Speed that "auto" reckons with, if larger than sqrt(2 g H) and the inflow's."""
     clamp: bool = True
     """Pressure is never negative."""
+    enclosed: bool = False
+    """Liquid fills all that walls leave it, so that there is no free surface and pressure is known but for a constant
+    (incompressible liquids)."""
     freezes_to: str | None = None
     """Material that it freezes to with heat.refreeze; with melt_to = water that of the first solid that melts unless given."""
     expansion: Expansion = 0.0
@@ -195,11 +198,13 @@ class Obstacle(Placed):
     """Angular velocity about its centre [1/s]."""
     motion: list[Annotated[list[Number], Field(min_length=4, max_length=4)]] = []
     """Rows of time [s] and velocity [m/s], linear between them, in place of velocity."""
+    force: bool = False
+    """Measure the force of the liquid on it, by pressure and by shear: series force/NAME/... (incompressible liquids)."""
 
     @property
     def moves(self):
-        """Whether it moves (a body that moves within itself does, too)."""
-        return any(self.velocity) or any(self.spin) or bool(self.motion)
+        """Whether it moves (a body that moves within itself does, too; one whose force is measured is treated as if it did)."""
+        return any(self.velocity) or any(self.spin) or bool(self.motion) or self.force
 
     @model_validator(mode="after")
     def _in_order(self):

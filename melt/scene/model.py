@@ -248,7 +248,8 @@ class Scene(Section):
             "fluid.jitter": self.fluid.jitter > 0,
             "fluid.sigma": self.fluid.sigma > 0,
             "[fluid.flow]": self.fluid.flow is not None,
-            "obstacle.velocity, spin or motion": any(o.moves for o in self.obstacle),
+            "fluid.enclosed": self.fluid.enclosed,
+            "obstacle.velocity, spin, motion or force": any(o.moves for o in self.obstacle),
             "inflow.hold": any(nozzle.hold > 0 for nozzle in self.inflow),
         }
         if wanted := [name for name, here in only.items() if here]:

@@ -53,6 +53,9 @@ class Incompressible(Section):
     """Share of a density deficit that the Poisson equation asks back per sub-step; 0 for sprays."""
     clamp: bool = False
     """Cut all negative pressure, for sprays that separate; without it only where neighbours are missing."""
+    shift: Annotated[quantity("number", at_least=0, at_most=0.1), Field()] = 0.0
+    """Shift of particles from crowded to empty places in a sub-step, in squared support radii times the gradient of their
+    number; keeps liquid without a surface (fluid.enclosed, or all axes periodic) in order where pressure is negative."""
     courant: Annotated[quantity("number", above=0, at_most=5), Field()] = None
     """Spacings that the fastest particle may move in a sub-step: 0.4, or 2 with semi_lagrangian, unless given."""
     semi_lagrangian: bool = False
@@ -219,6 +222,14 @@ def check_incompressible(scene):
         raise ValueError("fluid.sigma is a pressure at the air ghost particles: set pressure = isph or hybrid, and add [solver.ghosts]")
     if f.sigma > 0 and f.surface_tension > 0:
         raise ValueError("fluid.sigma and fluid.surface_tension are two models of one thing: give one of them")
+    if f.enclosed and (s.ghosts is not None or scene.inflow):
+        raise ValueError("fluid.enclosed has no free surface and no room for more: leave [solver.ghosts] and [[inflow]] out, or enclosed")
+    full = f.enclosed or len(scene.domain.periodic) == scene.domain.dimensions
+    if s.dfsph.shift > 0 and (not full or s.apic is not None or s.dfsph.semi_lagrangian):
+        raise ValueError(
+            "solver.dfsph.shift moves particles to where there are fewer, which is out of a free surface: set fluid.enclosed = true "
+            "if there is none, leave [solver.apic] and semi_lagrangian out, or set shift = 0"
+        )
     if scene.elastic is not None and s.apic is None:
         raise ValueError("[elastic] lives on APIC particles: add [solver.apic]")
     if s.apic is not None and scene.heat is not None:

@@ -36,11 +36,14 @@ def _transfers(scene):
 
 
 def _surface(scene, prepared):
-    """Without ghosts the Poisson equation finds the surface by what the kernel lacks."""
+    """Without ghosts the Poisson equation finds the surface by what the kernel lacks; without a surface DFSPH has no way out."""
+    if scene.fluid.enclosed and prepared.need.dfsph:
+        text = f"fluid.enclosed: solver.pressure = {scene.solver.pressure} asks the same density of all particles where none can leave"
+        return [("warning", text, "solver.pressure = isph with solver.dfsph.shift = 0.1")]
     if not prepared.need.poisson or prepared.need.ghosts or prepared.need.closed:
         return []
     text = f"solver.pressure = {scene.solver.pressure} without [solver.ghosts] takes what neighbours lack for air"
-    return [("warning", text, "add [solver.ghosts], or solver.pressure = dfsph")]
+    return [("warning", text, "add [solver.ghosts], solver.pressure = dfsph, or fluid.enclosed where there is no surface")]
 
 
 def _viscous(scene, prepared):

@@ -43,10 +43,12 @@ def needs_of(scene):
         shears=v is not None and v.shears,
         elastic=scene.elastic is not None,
         drivers=any(o.moves for o in scene.obstacle),
+        loads=any(o.force for o in scene.obstacle),
         nozzles=any(nozzle.hold > 0 for nozzle in scene.inflow),
         periodic=bool(scene.domain.periodic),
         impulses=scene.incompressible and (s.pressure != "isph" or relaxes(scene)),
         closed=closed(scene),
+        shift=s.dfsph.shift > 0,
         tension=scene.fluid.sigma > 0,
     )
 
@@ -57,8 +59,8 @@ def relaxes(scene):
 
 
 def closed(scene):
-    """Return whether nothing is open, so that pressure is known but for a constant: all axes are periodic."""
-    return len(scene.domain.periodic) == scene.domain.dimensions
+    """Return whether there is no free surface, so that pressure is known but for a constant: all axes are periodic, or walls enclose it."""
+    return scene.fluid.enclosed or len(scene.domain.periodic) == scene.domain.dimensions
 
 
 def stokes_of(scene):
@@ -86,7 +88,10 @@ def settings_of(scene, initial):
         retries=q.retries,
         arrivals=q.arrivals if q.semi_lagrangian else 1,
         gravity=float(g),
+        shift=q.shift * scene.support**2,
+        density=scene.fluid.density,
         bodies=[Body.of(o, k) for k, o in enumerate(o for o in scene.obstacle if o.moves)],
+        measured=[(k, o.name or f"obstacle {k}") for k, o in enumerate(o for o in scene.obstacle if o.moves) if o.force],
         apic_per_node=1 if scene.solver.apic is None else scene.solver.apic.per_axis**scene.domain.dimensions,
         node_volume=scene.particle_volume,
         sigma=scene.fluid.sigma,
@@ -125,7 +130,7 @@ def params_of(scene, particles, real):
             rest_density=scene.fluid.density,
             floor=1e-4 * h**2,
             pull=s.dfsph.pull,
-            full_share=0.85,
+            full_share=0.0 if closed(scene) else 0.85,
             clamp=int(s.dfsph.clamp),
             full=0.0 if closed(scene) else FULL * lattice_laplacian(scene),
         ),

@@ -24,6 +24,7 @@ class Solved(NamedTuple):
     residual: float  # mean error, or relative residual
     largest: float  # largest error of a particle (of conjugate gradients: the residual again)
     converged: bool
+    loads: tuple = ()  # (kind, force (3, bodies) [N]) on moving bodies, where they are measured
 
     @property
     def finite(self):
@@ -78,7 +79,7 @@ def _jacobi(do, dt, name, tolerance, least):
         tally(do, "relaxations", 1)
     do.pressure_kick(dt=dt)
     do.pressure_keep(density_impulse=impulse, dt=dt)
-    return solved
+    return solved._replace(loads=_loads(do, "pressure"))
 
 
 def _iterate(do, dt, name, tolerance, least):
@@ -87,6 +88,8 @@ def _iterate(do, dt, name, tolerance, least):
     since, before = 0, math.inf  # iterations since the momentum began
     for k in range(do.settings.max_iterations + 1):
         do.pressure_acceleration()
+        if do.need.loads:  # of the pressure that acts, not of what the update makes of it
+            do.pressure_load(mirror=0.0, dt=dt)
         do.pressure_update(dt=dt)
         sums = np.asarray(do.read("pressure_error"), np.float64)
         mean, largest = float(sums[0].sum() / max(sums[2].sum(), 1)), float(sums[1].max())
@@ -115,9 +118,11 @@ def project(do, dt):
         do.poisson_start(completed_ratio=_ratio(do), dt=dt, shift=float(sums[1] / max(sums[2], 1)))
     solved = _conjugate(do, "poisson", do.settings.poisson_tolerance, do.settings.poisson_iterations, lambda: do.poisson_apply())
     do.poisson_finish(completed_ratio=_ratio(do))
-    do.poisson_acceleration()
+    do.poisson_acceleration(dt=dt)
     do.pressure_kick(dt=dt)
-    return solved
+    if do.need.loads:
+        do.pressure_load(mirror=1.0, dt=dt)
+    return solved._replace(loads=_loads(do, "pressure"))
 
 
 def _ratio(do):
@@ -148,7 +153,29 @@ def viscous(do, dt):
             do.dilation()
             do.viscous_keep()
     worst = max(found, key=lambda f: f.residual if f.residual == f.residual else math.inf)
-    return worst._replace(iterations=sum(f.iterations for f in found), converged=all(f.converged for f in found))
+    done = all(f.converged for f in found)
+    return worst._replace(iterations=sum(f.iterations for f in found), converged=done, loads=_viscous_loads(do, dt))
+
+
+def _viscous_loads(do, dt):
+    """Return what viscosity, and the pressure that was solved with it, push moving bodies with."""
+    if not do.need.loads:
+        return ()
+    do.shear_load()
+    loads = _loads(do, "shear")
+    if do.need.augmented:
+        do.pressure_load(solver_pressure="viscous_pressure", mirror=0.0, dt=dt)
+        loads += _loads(do, "pressure")
+    return loads
+
+
+def _loads(do, kind):
+    """Return `Solved.loads` of the sums in `body_load`."""
+    if not do.need.loads:
+        return ()
+    if do.recording:
+        return ((kind, np.zeros((3, len(do.settings.bodies)))),)
+    return ((kind, np.asarray(do.read("body_load"), np.float64).sum(axis=2)),)
 
 
 def _conjugate(do, name, tolerance, limit, apply):
@@ -174,6 +201,22 @@ def tally(do, name, count):
     """Add to a count of this outer step."""
     total = do.clock.tally[name] = do.clock.tally.get(name, 0) + count
     do.note(name, total)
+
+
+def tally_loads(do, found, dt):
+    """Add the impulse that the solves of a sub-step gave to moving bodies; `mean_loads` makes forces of it."""
+    for solved in found:
+        for kind, force in solved.loads:
+            for body, name in do.settings.measured:
+                for axis, value in zip("xyz", force[:, body]):
+                    tally(do, f"force/{name}/{kind}_{axis}", float(value) * dt)
+
+
+def mean_loads(do, dt):
+    """Note the mean force over an outer step of ``dt`` on each body whose force is measured [N]."""
+    for name, impulse in do.clock.tally.items():
+        if name.startswith("force/"):
+            do.note(name, impulse / dt)
 
 
 def told(do, solved):

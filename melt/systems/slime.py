@@ -27,6 +27,8 @@ def start(do):
     """Derive thermal properties; nothing else is needed before the first step."""
     if do.need.heat:
         start_heat(do)
+    if do.need.shift:  # of half a rho, for the sum of both of a pair
+        do.give("background_pressure", np.full(do.size("particle"), 0.5 * do.settings.density))
     if do.need.apic and not do.clock.apic:
         do.clock.apic = int((np.asarray(do.read("apic_phase")) == 0).sum())
     if do.clock.step == 0:
@@ -99,6 +101,7 @@ def step(do, dt):
     try:
         for _ in range(n_sub):
             advance(do, sub_dt, do.settings.retries)
+        solve.mean_loads(do, dt)
         if do.need.heat:
             listed(do)  # the lists of the last sub-step name particles that have left since
             do.reorder(DERIVED)
@@ -115,7 +118,8 @@ def advance(do, dt, retries):
     if do.need.apic:
         gather(do)  # S2-S4: v^n, m^n of the nodes
     do.keep_motion()  # S0
-    failed = [f for f in forces(do, dt) if not f.converged]
+    found = forces(do, dt)
+    failed = [f for f in found if not f.converged]
     if do.recording:  # whether or not it comes to that
         do.restore_motion()
     if failed and s.on_fail == "retry" and retries > 0 and all(f.finite for f in failed):
@@ -131,6 +135,7 @@ def advance(do, dt, retries):
         if all(f.finite for f in failed):  # else who is not finite is yet to be named
             forget_pressure(do)
         tell(do, dt, failed)
+    solve.tally_loads(do, found, dt)
     if do.need.semi_lagrangian:
         do.restore_motion(velocity_kept="velocity")  # back to x^n, with v^(n+1)
         if do.need.apic:
@@ -141,13 +146,26 @@ def advance(do, dt, retries):
         do.apic_move(dt=dt)  # S12
         if do.need.elastic:
             do.apic_strain(dt=dt)
-    do.advect(dt=dt)  # S11: x^n -> x^(n+1)
+    do.advect(dt=dt, velocity=transport(do, dt))  # S11: x^n -> x^(n+1)
     if do.need.domain:
         do.leave_domain()
         if do.need.apic:
             do.leave_domain(position="apic_position", phase="apic_phase")
     do.clock.time += dt
     do.clock.previous_dt = dt
+
+
+def transport(do, dt):
+    """Return the field of the velocity that moves the particles: their own, or one with the shift that keeps them in order.
+
+    A constant pressure acts on nothing but disorder: by -shift sum_j V_j grad W (Adami et al. 2013; Lind et al. 2012).
+    """
+    if not do.need.shift:
+        return "velocity"
+    do.restore_motion(position_kept="position", velocity_kept="velocity", position="position", velocity="velocity_transport")
+    do.pressure_acceleration(solver_pressure="background_pressure")
+    do.pressure_kick(velocity="velocity_transport", dt=do.settings.shift / dt)
+    return "velocity_transport"
 
 
 def forget_pressure(do):

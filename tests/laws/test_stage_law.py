@@ -18,6 +18,7 @@ LONG = {
     "heat_explicit": "as heat",
     "heat_balance": "as heat",
     "force": "both partners' mechanical state, and the pressure that walls carry",
+    "load": "of a pressure: what the liquid and walls at rest have, beside the operator of the solve",
     "contact": "pairs of one body are skipped by lattice distance, which needs its sites beside the motion",
     "freezing": "a liquid particle is matched with sites, regions and the material it freezes to at once",
     "pbf": "both partners' share in the solve, the lists, and which of the pairs act in an iteration",

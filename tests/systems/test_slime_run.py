@@ -36,7 +36,7 @@ def same(a, b):
 
 SHIPPED = {
     "couette": 0.005, "poiseuille": 0.005, "taylor_green": 0.02, "rotating_square": 0.03, "hydrostatic": 0.02, "oscillating_drop": 0.03,
-    "dam_break_dfsph": 0.006, "honey_coil_small": 0.02, "slime_drop": 0.004, "warm_honey": 0.004,
+    "dam_break_dfsph": 0.006, "moving_square": 0.02, "honey_coil_small": 0.02, "slime_drop": 0.004, "warm_honey": 0.004,
 }  # fmt: skip
 
 

@@ -1,4 +1,5 @@
-"""Small versions of `experiments.slime_analytic`. Bounds are those of the slime spec, section 5, for the resolution that is run."""
+"""Small versions of `experiments.slime_analytic`, with the bounds of the slime spec, section 5, for their resolution, and of
+`slime_square`."""
 
 import h5py
 import numpy as np
@@ -8,7 +9,8 @@ from scipy.spatial import cKDTree
 from experiments import _slime_patch as patch
 from experiments import _slime_plates as plates
 from experiments import _slime_rest as rest
-from experiments import slime_analytic
+from experiments import slime_analytic, slime_square
+from experiments._slime_spread import sheared
 from experiments._slime_runs import liquid, start
 
 
@@ -86,9 +88,28 @@ def test_exact_ellipses_keep_area_and_energy():
     assert patch._upward(t, a)[1] == pytest.approx(2 * np.pi / np.sqrt(2), rel=1e-4)
 
 
-def test_quick_run_and_report(tmp_path):
-    slime_analytic.run(tmp_path / "quick.h5", quick=True, say=lambda text: None)
-    rows = slime_analytic.report(tmp_path / "quick.h5")
+@pytest.mark.parametrize("experiment", [slime_analytic, slime_square])
+def test_quick_run_and_report(experiment, tmp_path):
+    experiment.run(tmp_path / "quick.h5", quick=True, say=lambda text: None)
+    rows = experiment.report(tmp_path / "quick.h5")
     with h5py.File(tmp_path / "quick.h5") as file:
         assert not any("failed" in file[name].attrs for name in file)
     assert rows and all(row.ok is None and not row.bound for row in rows)
+
+
+def test_drag_on_a_square_that_starts_to_move():
+    """10 across, until it moves steadily. Added mass is large by the corners, whose particles see more of the liquid."""
+    found, wanted = slime_square.square((), 1.375), slime_square.reference()
+    drag = slime_square.windows(found["time"], found["drag"], wanted)
+    at = {round(t, 2): (*row, p, v) for t, row, p, v in zip(wanted["time"], drag, wanted["pressure"], wanted["viscous"])}
+    pressure, shear, p, v = at[0.55]
+    assert 1.0 < pressure / p < 1.25 and shear == pytest.approx(v, rel=0.15)
+    pressure, shear, p, v = at[1.25]
+    assert pressure + shear == pytest.approx(p + v, rel=0.1)
+    assert 0.9 < found["least"] and found["most"] < 1.1
+
+
+def test_an_elastic_liquid_is_sheared():
+    """Stress and normal stress difference grow as those of Oldroyd-B; the liquid itself needs a tenth of this to start."""
+    found = sheared(0.3)
+    assert [found[name] for name in ("tau", "N1", "rate")] == pytest.approx([1, 1, 1], abs=0.03)  # 0.993, 0.984, 0.999
