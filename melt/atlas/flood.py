@@ -1,0 +1,42 @@
+"""Maps of floods: Courant number over the depth ratio of a dam break, slope over depth. Flood spec E20."""
+
+from melt.atlas import drives
+from melt.atlas.alarms import ENERGY, SPEED, Alarm
+from melt.atlas.maps import Knob, Map, spread
+from melt.flood.findings import STEEP
+
+
+def maps(scene):
+    """Return the maps that apply to a scene."""
+    found = []
+    deep = [pool.depth for pool in scene.fluid.fill]
+    if deep and all(deep):
+        found.append(_courant(scene, deep))
+    if scene.terrain.shape in ("flat", "plane") and len(deep) == 1 and deep[0]:
+        found.append(_slope(scene, deep[0]))
+    return found
+
+
+def _unsolved(sim, series, scales):
+    return series.get("unsolved_columns", 0.0) / max(1, series["liquid_particles"])
+
+
+WATER = (ENERGY, SPEED, Alarm("columns whose depth is not solved", _unsolved, 0.01))
+
+
+def _courant(scene, deep):
+    """Of two pools the second has a share of the first one's depth; of one the depth itself is the knob."""
+    predicted = f"Courant number {scene.solver.cfl:g}, or force, or terrain"
+    if len(deep) > 1:
+        knob = Knob("depth ratio", "", lambda v: [f"fluid.fill.1.depth={v * deep[0]!r}"], spread(0.001, 0.5))
+        return Map("dt-depth-ratio", knob, drives.shallow_water, WATER, [], 1.0, predicted)
+    knob = Knob("depth", "m", lambda v: [f"fluid.fill.0.depth={v!r}"], spread(0.1 * deep[0], 10 * deep[0]))
+    return Map("dt-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted)
+
+
+def _slope(scene, depth):
+    """A plane of some slope, water of some depth on it; steps as the plan chooses."""
+    across = Knob("slope", "", lambda v: ["terrain.shape=plane", f"terrain.parameters={{slope={v!r}}}"])
+    knob = Knob("depth", "m", lambda v: [f"fluid.fill.0.depth={v!r}"], spread(0.05 * depth, 2 * depth))
+    predicted = "steepest that the plan does not warn of"
+    return Map("slope-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, across, STEEP, octaves=5)
