@@ -216,8 +216,7 @@ def _heat(scene, initial, prepared):
         return [Finding("warning", text, "add [heat] to the scene")]
     from melt.systems.heat import chosen_solver
 
-    fo = prepared.settings.fourier_number
-    limit = scene.support**2 / 14.2 / max(fo * scene.spacing**2 / scene.time.dt, 1e-300)
+    fo, limit = prepared.settings.fourier_number, explicit_heat_limit(scene, prepared.settings)
     solver = chosen_solver(prepared.settings)
     found = [Finding("note", f"heat: Fourier number {fo:.3g}, solver {solver}, explicit limit {limit:.3g} s")]
     scale = scene.heat.conductivity_scale
@@ -232,6 +231,11 @@ def _heat(scene, initial, prepared):
             )
         )
     return found
+
+
+def explicit_heat_limit(scene, settings):
+    """Return the longest step [s] of forward Euler in the material that conducts best, on the rest lattice."""
+    return scene.support**2 / 14.2 / max(settings.fourier_number * scene.spacing**2 / scene.time.dt, 1e-300)
 
 
 def _boiling(scene, initial, prepared):

@@ -23,7 +23,7 @@ def _iterations(scene):
     alarms = (ENERGY, SPEED, COMPRESSION._replace(noisy=scene.solver.pbf.compression))
     knob = Knob("iterations", "", lambda v: [f"solver.pbf.iterations={max(1, round(v))}"], _whole)
     predicted = f"compression of {scene.solver.pbf.compression:.1%} at the bottom, or half a spacing"
-    return Map("dt-iterations", knob, drives.mechanics, alarms, AT_REST, 4.0, predicted)
+    return Map("dt-iterations", knob, drives.mechanics, alarms, AT_REST, 4.0, predicted, octaves=5)
 
 
 def _whole(number):

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from melt.errors import MeltError, NotFinite
+from melt.preflight import explicit_heat_limit
 from melt.systems import flood, heat, liquid_heat, melting
 
 LONGEST = 1e6  # s: where nothing bounds a step
@@ -43,15 +44,14 @@ def conduction(sim, factor):
     _listed(do)
     heat.properties(do)
     do.heat_conductance()
-    limit = heat.dt_limit(do)
-    dt = min(factor * limit, LONGEST)
+    dt = min(factor * explicit_heat_limit(sim.scene, do.settings), LONGEST)
     if do.settings.heat_solver == "explicit":
         do.heat_explicit(dt=dt)
         do.swap("temperature", "temperature_next")
     else:
         heat.SOLVERS[do.settings.heat_solver](do, dt)
     _still(sim, dt)
-    return dt, "maximum principle"
+    return dt, "explicit"
 
 
 def liquid_conduction(sim, factor):

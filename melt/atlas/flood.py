@@ -29,9 +29,9 @@ def _courant(scene, deep):
     predicted = f"Courant number {scene.solver.cfl:g}, or force, or terrain"
     if len(deep) > 1:
         knob = Knob("depth ratio", "", lambda v: [f"fluid.fill.1.depth={v * deep[0]!r}"], spread(0.001, 0.5))
-        return Map("dt-depth-ratio", knob, drives.shallow_water, WATER, [], 1.0, predicted)
+        return Map("dt-depth-ratio", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
     knob = Knob("depth", "m", lambda v: [f"fluid.fill.0.depth={v!r}"], spread(0.1 * deep[0], 10 * deep[0]))
-    return Map("dt-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted)
+    return Map("dt-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
 
 
 def _slope(scene, depth):
@@ -39,4 +39,4 @@ def _slope(scene, depth):
     across = Knob("slope", "", lambda v: ["terrain.shape=plane", f"terrain.parameters={{slope={v!r}}}"])
     knob = Knob("depth", "m", lambda v: [f"fluid.fill.0.depth={v!r}"], spread(0.05 * depth, 2 * depth))
     predicted = "steepest that the plan does not warn of"
-    return Map("slope-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, across, STEEP, octaves=5)
+    return Map("slope-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, across, STEEP, octaves=5, steps=80)

@@ -59,6 +59,6 @@ def _conductivity(scene, solver):
 
     knob = Knob("conductivity", "%" if scene.heat.law == "paper" else "W/(m K)", overrides, spread(0.01 * k, 10 * k))
     base = [f"heat.solver={solver}", "heat.substeps=1", "heat.latent=false", "heat.refreeze=false"]
-    predicted = "1/max sum of G/C: no temperature leaves its range"
+    predicted = "explicit limit h^2/(14.2 alpha)"
     name = "dt-conductivity-explicit" if solver == "explicit" else "dt-conductivity-implicit"
     return Map(name, knob, drives.conduction, (OVERSHOOT,), base, 0.0, predicted, rows=3, steps=40)

@@ -13,23 +13,25 @@ SHADES = {STABLE: "#bfe3c8", NOISY: "#fdebb8"}
 MARKS = {STABLE: ("o", "#1b7837", 22), NOISY: ("^", "#d98c00", 34), FAILED: ("x", "#b2182b", 34), REFUSED: ("s", "#777777", 26)}
 
 
-def plot(path, out=None, columns=3):
-    """Draw all maps of an atlas file; return the path of the picture (beside the file unless given)."""
+def plot(paths, out, title, columns=3):
+    """Draw all maps of atlas files into one picture; return its path."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    attrs, groups = store.read(path)
-    out = out or store.picture(path)
-    wide = min(columns, len(groups))
-    high = math.ceil(len(groups) / wide)
+    maps = []
+    for path in paths:
+        attrs, groups = store.read(path)
+        maps += [(f"{attrs['scene']}: {name}" if len(paths) > 1 else name, *group) for name, group in groups.items()]
+    wide = min(columns, len(maps))
+    high = math.ceil(len(maps) / wide)
     figure, axes = plt.subplots(high, wide, figsize=(5.6 * wide, 4.7 * high), squeeze=False, layout="constrained")
-    for ax, (name, (about, cells)) in zip(axes.flat, groups.items()):
-        panel(ax, name, about, cells)
-    for ax in axes.flat[len(groups):]:
+    for ax, given in zip(axes.flat, maps):
+        panel(ax, *given)
+    for ax in axes.flat[len(maps) :]:
         ax.set_axis_off()
-    figure.suptitle(f"{attrs['scene']}: stable region measured, beside the bound of the plan")
+    figure.suptitle(f"{title}: where runs are stable, beside the bound that the plan predicts")
     figure.savefig(out, dpi=110)
     plt.close(figure)
     return out

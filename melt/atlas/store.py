@@ -6,6 +6,7 @@ Every finished cell is written to a temporary name that is then renamed, so a ki
 import contextlib
 import os
 import pathlib
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -18,6 +19,21 @@ from melt.output.errors import output_error, read_error
 def picture(out):
     """Return where the plot of a sweep is: beside its file."""
     return pathlib.Path(out).with_suffix(".png")
+
+
+class Cell(NamedTuple):
+    """One run: the place in its row, its grade, and why."""
+
+    row: int
+    k: int  # quarters of an octave from the predicted bound
+    value: float  # of the second knob
+    x: float  # of the first knob: mean step [s], or the value
+    grade: str
+    reason: str
+    step: int  # at which it was graded so
+    steps: int  # taken
+    bound: str  # that governed at the start
+    worst: float  # largest figure of an alarm over its limit
 
 
 class Kept:
@@ -90,7 +106,7 @@ class Kept:
                 for name, (attrs, cells) in self.groups.items():
                     group = file.create_group(name)
                     group.attrs.update(attrs)
-                    for field in _fields():
+                    for field in Cell._fields:
                         values = [getattr(cell, field) for cell in cells]
                         group[field] = values if values else np.zeros(0)
             os.replace(temporary, self.part)
@@ -101,10 +117,10 @@ class Kept:
                 temporary.unlink(missing_ok=True)
 
 
-def _fields():
-    from melt.atlas.sweep import Cell
-
-    return Cell._fields
+def cells_of(group):
+    """Return the list of `Cell` of a map's group."""
+    columns = [group[field].asstr()[()] if group[field].dtype.kind == "O" else group[field][()] for field in Cell._fields]
+    return [Cell(*(v.item() if isinstance(v, np.generic) else v for v in row)) for row in zip(*columns)]
 
 
 def _limits(m):
@@ -117,15 +133,8 @@ def read(path):
     Raises:
         RunFileError: it is no atlas, or damaged.
     """
-    from melt.atlas.sweep import Cell
-
     try:
         with h5py.File(path) as file:
-            groups = {}
-            for name, group in file.items():
-                columns = [group[field].asstr()[()] if group[field].dtype.kind == "O" else group[field][()] for field in Cell._fields]
-                cells = [Cell(*(v.item() if isinstance(v, np.generic) else v for v in row)) for row in zip(*columns)]
-                groups[name] = (dict(group.attrs), cells)
-            return dict(file.attrs), groups
+            return dict(file.attrs), {name: (dict(group.attrs), cells_of(group)) for name, group in file.items()}
     except (OSError, KeyError) as error:
         raise read_error("read atlas", path, error) from error

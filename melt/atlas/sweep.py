@@ -1,13 +1,12 @@
 """Run the maps of a scene, cell by cell; what is finished is kept if the sweep is killed, and not run again."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from melt.atlas import store
 from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, scales_of
 from melt.atlas.maps import chosen
 from melt.atlas.search import factor_of, search
+from melt.atlas.store import Cell
 from melt.errors import MeltError
 from melt.scene import load_scene
 from melt.simulation import Simulation
@@ -16,23 +15,8 @@ LEAST = 30  # steps of a run at least, where a span would be fewer
 LOOKS = 12  # times that a run is looked at
 
 
-class Cell(NamedTuple):
-    """One run: the place in its row, its grade, and why."""
-
-    row: int
-    k: int  # quarters of an octave from the predicted bound
-    value: float  # of the second knob
-    x: float  # of the first knob: mean step [s], or the value
-    grade: str
-    reason: str
-    step: int  # at which it was graded so
-    steps: int  # taken
-    bound: str  # that governed at the start
-    worst: float  # largest figure of an alarm over its limit
-
-
-def run(name, out=None, maps=None, overrides=(), rows=None, steps=None, overwrite=False, say=print):
-    """Sweep the maps of a scene; write HDF5 and a plot beside it if ``out`` (a .h5 path) is given.
+def run(name, out=None, maps=None, overrides=(), rows=None, steps=None, overwrite=False, say=print, picture=True):
+    """Sweep the maps of a scene; write HDF5, and a ``picture`` beside it, if ``out`` (a .h5 path) is given.
 
     Args:
         maps: names; all that apply to the scene unless given.
@@ -60,11 +44,10 @@ def run(name, out=None, maps=None, overrides=(), rows=None, steps=None, overwrit
         kept.finish(plan)
     finally:
         kept.close(say)
-    if out:
+    if out and picture:
         from melt.atlas.plot import plot
 
-        plot(out)
-        say(f"wrote {out} and {store.picture(out)}")
+        say(f"wrote {out} and {plot([out], store.picture(out), scene.scene.name)}")
     return found
 
 
