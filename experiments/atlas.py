@@ -2,9 +2,9 @@
 
 Along every row the first knob (mostly the time step) grows in quarters of an octave from the predicted bound, until runs are not
 stable: until they gain more than 1 % of the energy scale m (2 g H)/4, are faster than twice the fall through the liquid's height H,
-are denser than a limit, leave the range of their temperatures by 0.1 %, or end in an error (not finite, not converged). Steps are
-taken as long as asked for: neither sub-steps nor limits of the plan come between. A run has 40 to 120 steps, so growth slower than
-that is not seen. The ratio is the first knob at the last stable run over the predicted bound: the safety that the plan leaves;
+are denser than a limit, move sideways at rest, leave the range of their temperatures by 0.1 %, or end in an error (not finite, not
+converged). Steps are taken as long as asked for: neither sub-steps nor limits of the plan come between. A run has 40 to 120 steps,
+so growth slower than that is not seen. The ratio is the first knob at the last stable run over the predicted bound: the safety that the plan leaves;
 the bound is that of every moment where it follows the flow. Judged is that no row falls below 1.
 Pictures: docs/images/atlas_melting.png, atlas_boiling.png, atlas_flood.png, atlas_slime.png.
 """
@@ -27,7 +27,7 @@ SYSTEMS = {
         ("tank_small", None, []), ("floating_block_small", ["dt-density-ratio"], []), ("stefan_front_small", None, []),
     ],
     "boiling": [("kettle_small", None, [])],
-    "flood": [("stoker", ["dt-depth-ratio"], ["fluid.spacing=0.25"]), ("ritter", ["slope-depth"], ["fluid.spacing=0.25"])],
+    "flood": [("stoker", ["dt-depth-ratio"], ["fluid.spacing=0.25"]), ("ritter", ["dt-slope", "slope-depth"], ["fluid.spacing=0.25"])],
     "slime": [("honey_coil_small", None, BLOCK)],
 }
 QUICK = {"melting": [("stefan_front_small", ["dt-conductivity-explicit"], [])]}

@@ -69,6 +69,12 @@ def speed(sim, series, scales):
     return sim.do.clock.max_speed / scales.speed
 
 
+def sideways(sim, series, scales):
+    """Root mean square of horizontal speeds of the liquid over that of a fall through its height."""
+    v = sim.read("velocity")[sim.read("phase") == 0, :2].astype(float)
+    return float(np.sqrt((v**2).sum(axis=1).mean())) / scales.speed
+
+
 def compression(sim, series, scales):
     """Mean compression of the liquid."""
     return series.get("density_error_mean", 0.0)
@@ -92,4 +98,5 @@ def temperatures(sim):
 ENERGY = Alarm("energy gained", energy_gained, 0.01, 10.0)
 SPEED = Alarm("speed", speed, 2.0, 20.0)
 COMPRESSION = Alarm("compression", compression, 0.05, 1.0)
+SIDEWAYS = Alarm("sideways speed of water at rest", sideways, 0.01, 1.0)
 OVERSHOOT = Alarm("temperature out of its range", overshoot, 1e-3, 1.0)

@@ -13,8 +13,13 @@ def maps(scene):
     if deep and all(deep):
         found.append(_courant(scene, deep))
     if scene.terrain.shape in ("flat", "plane") and len(deep) == 1 and deep[0]:
-        found.append(_slope(scene, deep[0]))
+        found += [_steps_on_slopes(scene), _slope(scene, deep[0])]
     return found
+
+
+def _deep(v):
+    """Water of one depth with as many columns, whatever it is."""
+    return [f"fluid.fill.0.depth={v!r}", f"fluid.reference_depth={v!r}"]
 
 
 def _unsolved(sim, series, scales):
@@ -30,13 +35,23 @@ def _courant(scene, deep):
     if len(deep) > 1:
         knob = Knob("depth ratio", "", lambda v: [f"fluid.fill.1.depth={v * deep[0]!r}"], spread(0.001, 0.5))
         return Map("dt-depth-ratio", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
-    knob = Knob("depth", "m", lambda v: [f"fluid.fill.0.depth={v!r}"], spread(0.1 * deep[0], 10 * deep[0]))
+    knob = Knob("depth", "m", _deep, spread(0.1 * deep[0], 10 * deep[0]))
     return Map("dt-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
+
+
+def _plane(v):
+    return ["terrain.shape=plane", f"terrain.parameters={{slope={v!r}}}"]
+
+
+def _steps_on_slopes(scene):
+    """Water that runs down a dry plane, ever steeper."""
+    predicted = f"Courant number {scene.solver.cfl:g}, or force, or terrain"
+    return Map("dt-slope", Knob("slope", "", _plane, spread(0.02, 5)), drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
 
 
 def _slope(scene, depth):
     """A plane of some slope, water of some depth on it; steps as the plan chooses."""
-    across = Knob("slope", "", lambda v: ["terrain.shape=plane", f"terrain.parameters={{slope={v!r}}}"])
-    knob = Knob("depth", "m", lambda v: [f"fluid.fill.0.depth={v!r}"], spread(0.05 * depth, 2 * depth))
-    predicted = "steepest that the plan does not warn of"
+    across = Knob("slope", "", _plane)
+    knob = Knob("depth", "m", _deep, spread(0.05 * depth, 2 * depth))
+    predicted = "the plan warns of steeper ones: water gets too fast there, not unstable"
     return Map("slope-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, across, STEEP, octaves=5, steps=80)
