@@ -3,9 +3,10 @@
 Along every row the first knob (mostly the time step) grows in quarters of an octave from the predicted bound, until runs are not
 stable: until they gain more than 1 % of the energy scale m (2 g H)/4, are faster than twice the fall through the liquid's height H,
 are denser than a limit, move sideways at rest, leave the range of their temperatures by 0.1 %, or end in an error (not finite, not
-converged). Steps are taken as long as asked for: neither sub-steps nor limits of the plan come between. A run has 40 to 120 steps,
-so growth slower than that is not seen. The ratio is the first knob at the last stable run over the predicted bound: the safety that the plan leaves;
-the bound is that of every moment where it follows the flow. Judged is that no row falls below 1.
+converged). Steps are taken as long as asked for: neither sub-steps nor limits of the plan come between.
+A run has 40 to 120 steps, so growth slower than that is not seen. The ratio is the first knob at the last stable run over the
+predicted bound: the safety that the plan leaves; the bound is that of every moment where it follows the flow. Judged is that no
+row falls below 1.
 Pictures: docs/images/atlas_melting.png, atlas_boiling.png, atlas_flood.png, atlas_slime.png.
 """
 
@@ -75,6 +76,6 @@ def _line(title, about, rows, claims):
     first = next((r.first for r in sorted(rows, key=lambda r: r.stable or 0.0) if r.first is not None), None)
     why = f". First beyond: {first.grade}, {first.reason}"[:180] if first is not None else ""
     ahead = sum(r.islands for r in rows)
-    note = f"predicted: {about['predicted']}. {each}{why}" + (f". {ahead} runs below are not stable" if ahead else "")
+    note = f"predicted: {about['predicted']}. {each}{why}" + (f". {ahead} farther runs are stable again" if ahead else "")
     text = f"{least:.3g} to {max(r.stable or 0.0 for r in rows):.3g} times the bound"
     return Row(title, ">= 1", text, ">= 1" if claims else "", bool(least >= 1) if claims else None, note)

@@ -42,7 +42,8 @@ def panel(ax, name, about, cells):
     rows = rows_of(cells, about)
     y = np.array([r.value for r in rows])
     x = {(c.row, c.k): r.bound * factor_of(c.k) for r in rows for c in cells if c.row == r.row}
-    left, right = min(x.values()) / 1.6, max(x.values()) * 1.6
+    seen = [place for place in x.values() if place == place] or [1.0]
+    left, right = min(seen) / 1.6, max(seen) * 1.6
     for grade, end in ((NOISY, "whole"), (STABLE, "stable")):
         ends = [left if (reach := getattr(r, end)) is None else r.bound * reach for r in rows]
         ax.fill_betweenx(y, left, ends, color=SHADES[grade], lw=0, zorder=0)
@@ -51,7 +52,8 @@ def panel(ax, name, about, cells):
         points = np.asarray(about[key])
         ax.plot(np.maximum(points[:, 1], left), points[:, 0], "--", color="#555555", lw=1.2, label=key[5:])
     for grade, (mark, colour, size) in MARKS.items():
-        points = [(x[c.row, c.k], c.value) for c in cells if c.grade == grade]
+        # a row that melt refuses has no bound: its runs stand at the edge
+        points = [(x[c.row, c.k] if x[c.row, c.k] == x[c.row, c.k] else 1.2 * left, c.value) for c in cells if c.grade == grade]
         if points:
             ax.scatter(*zip(*points), marker=mark, c=colour, s=size, label=grade, zorder=4)
     for r in rows:

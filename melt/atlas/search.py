@@ -1,7 +1,7 @@
 """Along a row: where runs stop being stable, and where they fail, to a quarter of an octave, in few runs.
 
 Places are numbers k of quarters of an octave, 0 at the predicted bound. The search takes for granted that what is not stable at
-one place is not stable farther on; a row where that does not hold is told (`islands`).
+one place is not stable farther on; runs of which that is not true are told (`islands`) and not counted.
 """
 
 from melt.atlas.alarms import FAILED, REFUSED, STABLE
@@ -67,6 +67,17 @@ def _last(at, good, begin, low, high):
     return inside
 
 
+def reach(known, good):
+    """Return the last place of ``known`` ({k: grade}) up to which all from the first good one on are good; None if none is."""
+    inside = None
+    for k in sorted(known):
+        if good(known[k]):
+            inside = k
+        elif inside is not None:
+            break
+    return inside
+
+
 def islands(known, stable):
-    """Return how many places are not stable though a farther one is."""
-    return sum(grade != STABLE for k, grade in known.items() if stable is not None and k < stable)
+    """Return how many places are stable though a nearer one is not."""
+    return sum(grade == STABLE for k, grade in known.items() if stable is not None and k > stable)

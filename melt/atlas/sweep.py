@@ -5,6 +5,7 @@ import numpy as np
 from melt.atlas import store
 from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, scales_of
 from melt.atlas.maps import chosen
+from melt.atlas.rows import rows_of
 from melt.atlas.search import factor_of, search
 from melt.atlas.store import Cell
 from melt.errors import MeltError
@@ -62,17 +63,12 @@ def _row(name, m, row, value, steps, overrides, cells, save, say):
             save()
         return known[k].grade
 
-    _, stable, whole = search(grade, m.octaves, m.octaves // 2)
-    first = next((known[k] for k in sorted(known) if known[k].grade != STABLE and (stable is None or k > stable)), None)
-    why = f"; then {first.grade}: {first.reason}"[:110] if first else ""
-    reach = f"stable to {_times(stable, m)} the bound ({known[0].bound}), whole to {_times(whole, m)}"
-    say(f"  {m.along.words} {value:.3g} {m.along.unit}: {reach}{why}")
-
-
-def _times(k, m):
-    if k is None:
-        return f"less than {factor_of(-m.octaves // 2 * 4):.2g} x"
-    return f"{'at least ' if k >= 4 * m.octaves else ''}{factor_of(k):.3g} x"
+    search(grade, m.octaves, m.octaves // 2)
+    (found,) = rows_of([c for c in cells if c.row == row], {"bound": m.bound, "octaves": m.octaves})
+    why = f"; then {found.first.grade}: {found.first.reason}"[:110] if found.first else ""
+    whole = "" if found.whole is None else f", whole to {found.whole:.3g} x"
+    stable = found.words if found.stable is None else f"stable to {found.words} the bound ({found.governing})"
+    say(f"  {m.along.words} {value:.3g} {m.along.unit}: {stable}{whole}{why}")
 
 
 def measure(name, m, row, k, value, steps, overrides=()):

@@ -9,7 +9,7 @@ from melt.atlas import store, sweep
 from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, Alarm
 from melt.atlas.maps import Knob, Map, chosen, spread
 from melt.atlas.rows import rows_of
-from melt.atlas.search import factor_of, islands, search
+from melt.atlas.search import factor_of, islands, reach, search
 from melt.errors import MeltError
 from melt.geometry.build import build
 from melt.plan import prepare
@@ -54,7 +54,8 @@ def test_search_says_where_it_found_nothing():
     assert search(grades(-99, -99)[0], 8, 4)[1:] == (None, None)
     assert search(grades(99, 99)[0], 8, 4)[1:] == (32, 32)
     assert factor_of(32) == 256
-    assert islands({0: STABLE, -4: FAILED, 4: FAILED}, 0) == 1
+    again = {-4: FAILED, 0: STABLE, 4: FAILED, 8: STABLE}
+    assert reach(again, lambda grade: grade == STABLE) == 0 and islands(again, 0) == 1
 
 
 def tank(gains):
@@ -115,6 +116,17 @@ def test_small_map_is_measured_beside_the_bound_of_the_plan(tmp_path):
         assert 1 <= row.stable <= 16 and row.first.grade in (NOISY, FAILED)
     refused = sweep.measure(path, Map("m", Knob("", "", lambda v: [f"domain.spacing={v}"]), None, (), [], 0.0, ""), 0, 0, -1.0, 10)
     assert refused.grade == REFUSED and "spacing" in refused.reason
+
+
+def test_rows_that_are_refused_are_drawn(tmp_path, monkeypatch):
+    path = tmp_path / "tiny.toml"
+    path.write_text(TINY)
+    refused = Map("m", Knob("spacing", "m", lambda v: [f"domain.spacing={-v!r}"], spread(1, 2)), None, (), [], 0.0, "none", octaves=1)
+    monkeypatch.setattr(sweep, "chosen", lambda scene, names: [refused])
+    said = []
+    cells = sweep.run(path, tmp_path / "a.h5", rows=2, say=said.append)["m"]
+    assert {c.grade for c in cells} == {REFUSED} and (tmp_path / "a.png").exists()
+    assert "never stable; then refused: " in said[1] and "spacing" in said[1]
 
 
 @pytest.fixture
