@@ -58,7 +58,7 @@ def scales_of(sim):
 def energy_gained(sim, series, scales):
     """Energy above that at the start over the energy scale; 0 where something brings energy."""
     scene = sim.scene
-    if scene.inflow or any(getattr(o, "moves", False) for o in scene.obstacle):
+    if scene.inflow or getattr(scene, "edge", None) or any(getattr(o, "moves", False) for o in scene.obstacle):
         return 0.0
     gained = sum(series[name] - scales.start[name] for name in ("kinetic_energy", "potential_energy"))
     return gained / scales.energy

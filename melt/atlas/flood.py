@@ -1,4 +1,4 @@
-"""Maps of floods: Courant number over the depth ratio of a dam break, slope over depth. Flood spec E20."""
+"""Maps of floods: time step over stabilisation, over the depth ratio of a dam break, over slope; slope over depth. Flood spec E20."""
 
 from melt.atlas import drives
 from melt.atlas.alarms import ENERGY, SPEED, Alarm
@@ -8,7 +8,7 @@ from melt.flood.findings import STEEP
 
 def maps(scene):
     """Return the maps that apply to a scene."""
-    found = []
+    found = [_stabilisation(scene)]
     deep = [pool.depth for pool in scene.fluid.fill]
     if deep and all(deep):
         found.append(_courant(scene, deep))
@@ -37,6 +37,13 @@ def _courant(scene, deep):
         return Map("dt-depth-ratio", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
     knob = Knob("depth", "m", _deep, spread(0.1 * deep[0], 10 * deep[0]))
     return Map("dt-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
+
+
+def _stabilisation(scene):
+    """The one thing that damps in the method: more of it bounds the step as viscosity does."""
+    knob = Knob("Lax-Friedrichs alpha", "", lambda v: [f"solver.alpha={v!r}"], spread(0.1, 10))
+    predicted = f"Courant number {scene.solver.cfl:g}, or force, or terrain"
+    return Map("dt-alpha", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
 
 
 def _plane(v):
