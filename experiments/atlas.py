@@ -4,7 +4,7 @@ Along every row the first knob (mostly the time step) grows in quarters of an oc
 stable: until they gain more than 1 % of the energy scale m (2 g H)/4, are faster than twice the fall through the liquid's height H,
 are denser than a limit, move sideways at rest, leave the range of their temperatures by 0.1 %, or end in an error (not finite, not
 converged). Steps are taken as long as asked for: neither sub-steps nor limits of the plan come between.
-A run has 40 to 120 steps, so growth slower than that is not seen. The ratio is the first knob at the last stable run over the
+A run has 30 to 120 steps, so growth slower than that is not seen. The ratio is the first knob at the last stable run over the
 predicted bound: the safety that the plan leaves; the bound is that of every moment where it follows the flow. Judged is that no
 row falls below 1. A position based liquid with one iteration does at any step: the plan warns of it, but has no bound for it.
 Pictures: docs/images/atlas_melting.png, atlas_boiling.png, atlas_flood.png, atlas_slime.png.
