@@ -13,7 +13,7 @@ from melt.flood import findings as flood
 from melt.forecast import forecast
 from melt.geometry.build import build
 from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
-from melt.plan import prepare
+from melt.plan import explicit_heat_limit, prepare
 from melt.position_based import bottom_compression, relaxation, stiffness
 from melt.slime.findings import slime_findings
 from melt.stages import STAGES
@@ -25,6 +25,9 @@ WHY = {
     "viscosity": ": the viscosity; a coarser domain.spacing is faster",
     "light solid": ": a solid far lighter than the liquid",
 }
+
+#: Distance of neighbouring float32 numbers in spacings from which positions make a stiff liquid noisy.
+FINEST = 2e-6
 
 
 class Finding(NamedTuple):
@@ -189,7 +192,7 @@ def _resolution(scene, initial, prepared):
         return []
     far = float(np.abs(initial["position"]).max(initial=0.0))
     step = np.spacing(np.float32(far)) / scene.spacing
-    if step < (2e-6 if scene.solver.pressure == "wcsph" else 1e-3):  # positions have no stiff pressure
+    if step < (FINEST if scene.solver.pressure == "wcsph" else 1e-3):  # positions have no stiff pressure
         return []
     return [
         Finding(
@@ -218,8 +221,7 @@ def _heat(scene, initial, prepared):
         return [Finding("warning", text, "add [heat] to the scene")]
     from melt.systems.heat import chosen_solver
 
-    fo = prepared.settings.fourier_number
-    limit = scene.support**2 / 14.2 / max(fo * scene.spacing**2 / scene.time.dt, 1e-300)
+    fo, limit = prepared.settings.fourier_number, explicit_heat_limit(scene, prepared.settings)
     solver = chosen_solver(prepared.settings)
     found = [Finding("note", f"heat: Fourier number {fo:.3g}, solver {solver}, explicit limit {limit:.3g} s")]
     scale = scene.heat.conductivity_scale

@@ -82,4 +82,4 @@ def main():
     app(prog_name="melt")
 
 
-from melt.cli import running, scenes, pictures, measure  # noqa: E402, F401, I001  (they add their commands, in this order)
+from melt.cli import running, scenes, pictures, measure, atlas  # noqa: E402, F401, I001  (they add their commands, in this order)
