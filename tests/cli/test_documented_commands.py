@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(not PAGES[0].exists(), reason="no README.md besi
 #: What the words in capitals stand for.
 MEANT = {"SCENE": "tank_small", "RUN": "a.vtkhdf", "STAGE": "density"}
 #: What makes a command short.
-SHORTER = {"check": ["density"], "bench": ["1000", "--steps", "1"], "tradeoff": ["--steps", "1"]}
+SHORTER = {"check": ["density"], "bench": ["1000", "--steps", "1"], "tradeoff": ["--steps", "1"], "atlas": ["--steps", "2", "--cells", "2"]}
 #: Runs without which a command has nothing to work on.
 FIRST = {
     "resume": ["run tank_small -o a.vtkhdf -f -q --until 0.01s --set time.checkpoint_every=1"],
