@@ -10,8 +10,8 @@ from experiments import _slime_patch as patch
 from experiments import _slime_plates as plates
 from experiments import _slime_rest as rest
 from experiments import slime_analytic, slime_square
-from experiments._slime_spread import sheared
 from experiments._slime_runs import liquid, start
+from experiments._slime_spread import sheared
 
 
 @pytest.mark.parametrize("kind", ["couette", "poiseuille"])
