@@ -2,7 +2,7 @@
 
 Costs are of one machine, in a run of the scene as far as the sweep went; ratios carry over to others, milliseconds do not. The
 error is the scene's own headline (note), its spread half of the range over seeds. Rules (`melt/dial/front.py`): accurate is the
-cheapest point within the spread of the lowest error at up to 4 times default's cost, draft the cheapest with at most 5 % or twice
+cheapest point within the spread of the lowest error at up to 4 times default's cost, draft the cheapest with at most 10 % or three times
 default's error, balanced the knee between them. Stored in data/fronts; `melt tradeoff --all --store` measures them again.
 """
 

@@ -2,8 +2,8 @@
 
 import math
 
-#: A preset "draft" may be this far off [percent], or twice as far as the scene as it is, whichever is more.
-DRAFT_ERROR = 5.0
+#: A preset "draft" may be this far off [percent], or three times as far as the scene as it is, whichever is more.
+DRAFT_ERROR = 10.0
 #: A preset "accurate" may cost this many times the scene as it is.
 ACCURATE_COST = 4.0
 
@@ -24,9 +24,9 @@ def presets_of(points):
     """Return {preset: index of its point}, for points whose first is the scene as it is.
 
     accurate: of the front's points that cost at most 4 times the default, the cheapest whose error is the lowest or within the
-    spread of it. draft: the cheapest of the front whose error is at most 5 %, or twice the default's if that is more. balanced:
-    the knee between the two, where the product of cost and error is least (each as a logarithm over its range between them);
-    a draft dearer than accurate is accurate.
+    spread of it. draft: the cheapest of the front whose error is at most 10 %, or three times the default's if that is more. balanced:
+    the knee between the two: nearest to the corner of draft's cost and accurate's error, both as logarithms over their range.
+    A draft that would be dearer than accurate is accurate.
     """
     front, default = on_front(points), points[0]
     if not front:
@@ -35,7 +35,7 @@ def presets_of(points):
     within = [i for i in front if points[i].s_per_simulated_s <= allowed] or front[:1]
     lowest = points[within[-1]]
     accurate = next(i for i in within if points[i].error <= lowest.at_most)
-    cap = max(DRAFT_ERROR, 2 * default.error if math.isfinite(default.error) else 0.0)
+    cap = max(DRAFT_ERROR, 3 * default.error if math.isfinite(default.error) else 0.0)
     draft = next((i for i in within if points[i].error <= cap), accurate)
     if front.index(draft) > front.index(accurate):
         draft = accurate
@@ -44,11 +44,12 @@ def presets_of(points):
 
 
 def _knee(points, indices):
-    """Return the index whose logarithms of cost and error, each over its range, have the least sum; the cheaper of equal ones."""
+    """Return the index nearest to the corner of least cost and least error; the cheaper of equal ones."""
     def share(values):
         logs = [math.log(max(v, 1e-12)) for v in values]
         low, high = min(logs), max(logs)
         return [(x - low) / (high - low) if high > low else 0.0 for x in logs]
 
-    sums = [a + b for a, b in zip(share([points[i].s_per_simulated_s for i in indices]), share([points[i].error for i in indices]))]
-    return indices[sums.index(min(sums))]
+    cost, error = (share([getattr(points[i], name) for i in indices]) for name in ("s_per_simulated_s", "error"))
+    far = [math.hypot(c, e) for c, e in zip(cost, error)]
+    return indices[far.index(min(far))]

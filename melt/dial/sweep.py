@@ -127,9 +127,12 @@ def _numerical(knob):
 
 
 def _rate(scene, initial=None):
-    """Return the forecast of the wall seconds per simulated second."""
-    initial = initial or build(scene)
-    return forecast(scene, initial, prepare(scene, initial), 1).seconds / scene.time.dt
+    """Return the forecast of the wall seconds per simulated second; 0 of what cannot start, which its own run will tell."""
+    try:
+        initial = initial or build(scene)
+        return forecast(scene, initial, prepare(scene, initial), 1).seconds / scene.time.dt
+    except MeltError:
+        return 0.0
 
 
 def measured(load, system, scene, knob, shared, window, truth, what, seeds, patience):
