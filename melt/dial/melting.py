@@ -18,10 +18,10 @@ MECHANICS = [
     Knob("precision", "double", ("solver.precision=double",)),
     Knob("smoothing", "wendland2", ("solver.kernel=wendland2",)),
     Knob("sub-steps", "1 (legal c_s)", ("time.n_sub=1", "fluid.sound_speed=legal")),
-    Knob("neighbours", "kdtree", ("solver.neighbours=kdtree",)),
     Knob("smoothing", "mueller", ("solver.kernel=mueller",)),
     Knob("mirror beta", "0", ("solver.mirror=0",)),
     Knob("guard", "off", ("solver.guard=false",)),
+    Knob("neighbours", "kdtree", ("solver.neighbours=kdtree",)),
 ]
 SOLIDS = [
     Knob("region width w", "1", ("solver.width=1",)),

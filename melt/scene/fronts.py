@@ -67,8 +67,9 @@ class Front(NamedTuple):
 def front_path(scene_path):
     """Return where the front of the scene file at ``scene_path`` is stored."""
     path = pathlib.Path(scene_path)
-    shipped = path.parent.name == "scenes" and path.parent.parent.name == "data"
-    return path.parent.parent / "fronts" / f"{path.stem}.csv" if shipped else path.with_suffix(".front.csv")
+    folders = [place / "data" for place in pathlib.Path(__file__).resolve().parents[1:3]]  # installed, or a source tree
+    data = next((folder for folder in folders if path.resolve().parent == folder / "scenes"), None)
+    return data / "fronts" / f"{path.stem}.csv" if data else path.with_suffix(".front.csv")
 
 
 def fingerprint(scene_path):
