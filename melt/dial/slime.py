@@ -126,7 +126,7 @@ def measure(scene):
     floors = {"height": 1.0, "compression": 1.0} | ({"axis": 1.0, "tip": 1.0} if scene.inflow else {"front": 1.0})
     words = ["height of the centre of mass", "axis and tip of the thread" if scene.inflow else "front", "mean compression"]
     if scene.heat:
-        floors["temperature"] = 1.0
+        floors["temperature"] = 0.1
         words.append("mean temperature")
     return Measure("r.m.s. distance from the converged run, the worst of: " + ", ".join(words), floors)
 

@@ -56,12 +56,12 @@ def run(name, out=None, steps=None, within=None, seeds=2, knobs=None, keep=False
     facts = facts_of(scene, path, what, reference, window, seeds, bool(system.reseeded(scene, 1)))
     for line in report.opening(scene, facts, len(knobs), sum(seconds.values())):
         say(line)
-    truth = None
+    truth, left, slower = None, (within or WITHIN) * 1.5, 1.0
     if not what.exact:
         made, kept = measure.reference_run(load, reference, window, cache)
-        truth = made.truth
+        truth, left = made.truth, left - (0.0 if kept else made.seconds)
         say(f"reference: {made.ms_per_step:.2f} ms a step{', kept from an earlier study' if kept else ''}")
-    points, errors, n_subs, left, slower = [], [], [], (within or WITHIN) * 1.5, 1.0
+    points, errors, n_subs = [], [], []
     for knob in knobs:
         if len(points) >= LEAST and left < 0:
             say(f"{knob.label}: left out, {within or WITHIN:.0f} s are over")
@@ -152,9 +152,9 @@ def measured(load, system, scene, knob, shared, window, truth, what, seeds, pati
     heads = 100 * np.array([headline(errors) for errors in each])
     spread = float(np.ptp(heads) / 2) if seeds > 1 else np.nan
     fastest = min(samples, key=lambda s: s.ms_per_step)
-    point = FrontPoint(
-        knob.label, tuple(knob.overrides), fastest.ms_per_step, fastest.s_per_simulated_s, fastest.bytes, float(heads.mean()), spread,
-    )
+    # the digits that are stored: ranks of a stored front are then those of its file
+    figures = [float(f"{x:.4g}") for x in (fastest.ms_per_step, fastest.s_per_simulated_s, heads.mean(), spread)]
+    point = FrontPoint(knob.label, tuple(knob.overrides), *figures[:2], fastest.bytes, *figures[2:])
     mean = {name: float(np.mean([errors[name] for errors in each if name in errors])) for name in each[0]}
     return point, mean, samples[-1].n_sub, spent
 

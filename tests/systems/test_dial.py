@@ -133,3 +133,28 @@ def test_repetitions_differ_from_the_scene_by_a_thousandth_of_a_spacing():
     moved = np.abs(shaken["position"] - still["position"])
     assert 0 < moved.max() <= 1.001e-3 * scene.spacing and moved[1].max() == 0
     assert np.array_equal(shaken["position"], again["position"])
+
+
+def test_sweep_of_all_scenes_skips_fresh_fronts_and_goes_on_after_a_failure(monkeypatch):
+    done, said = [], []
+
+    def run(name, **options):
+        done.append(name)
+        if name == "b":
+            raise MeltError("it cannot be built")
+
+    monkeypatch.setattr(sweep, "run", run)
+    monkeypatch.setattr(sweep, "fresh", lambda path: path == "a.toml")
+    assert sweep.run_all({name: f"{name}.toml" for name in "abc"}, {"keep": True, "say": said.append}) == ["b"]
+    assert done == ["b", "c"] and said == ["a: its front is fresh", "b: it cannot be built"]
+
+
+def test_dear_scene_gets_fewer_candidates_rather_than_a_run_too_short():
+    knobs = [Knob("default", "")] + [Knob("compression", str(k), (f"fluid.compression={0.001 * k}",)) for k in range(1, 9)]
+    lots = sweep.lay_out(lambda overrides: load_scene("tank_small", overrides), knobs, [], ["solver.precision=double"], 2, 1e6)
+    few = sweep.lay_out(lambda overrides: load_scene("tank_small", overrides), knobs, [], ["solver.precision=double"], 2, 0.1)
+    scene = load_scene("tank_small")
+    assert len(lots[0]) == 9 and lots[1] == pytest.approx(scene.time.end)
+    assert few[0] == knobs[: sweep.LEAST] and few[1] == pytest.approx(sweep.FEWEST * scene.time.dt)
+    asked = sweep.lay_out(lambda overrides: load_scene("tank_small", overrides), knobs, [], [], 2, 0.1, steps=7)
+    assert len(asked[0]) == 9 and asked[1] == pytest.approx(7 * scene.time.dt)
