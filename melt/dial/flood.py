@@ -8,9 +8,10 @@ import numpy as np
 
 from melt.dial.vocabulary import Knob, Measure
 
+MANY = "time.n_sub_max=1000"  # sub-steps at most: what asks for shorter ones must be allowed them
 KNOBS = [
     Knob("sub-steps, CFL", "0.6", ("solver.cfl=0.6",)),
-    Knob("sub-steps, CFL", "0.15", ("solver.cfl=0.15",)),
+    Knob("sub-steps, CFL", "0.15", ("solver.cfl=0.15", MANY)),
     Knob("support/r0", "2.0", ("solver.support=2.0",)),
     Knob("support/r0", "3.2", ("solver.support=3.2",)),
     Knob("depth iterations", "1", ("solver.iterations=1",)),
@@ -46,7 +47,7 @@ def _spacing(scene, factor):
 
 def knobs(scene):
     """Return the knobs of a flood, one at a time: spacings and walls first, then those that all floods have."""
-    own = [Knob("spacing", f"{factor:g} r0", (_spacing(scene, factor),)) for factor in (2.0, 1.5, 0.75)]
+    own = [Knob("spacing", f"{factor:g} r0", (_spacing(scene, factor), MANY)) for factor in (2.0, 1.5, 0.75)]
     if scene.boundary.columns:
         own.append(Knob("walls", "hard edge alone", ("boundary.columns=false",)))
     control = ("off", ("control=none",)) if scene.control is not None else ("on", ("control.mode=descent",))
@@ -59,13 +60,13 @@ def combined(scene):
     return [
         Knob("combined", "cheap", (_spacing(scene, 1.5), "solver.cfl=0.6", single)),
         Knob("combined", "cheapest", (_spacing(scene, 2.0), "solver.cfl=0.6", single, "solver.support=2.0")),
-        Knob("combined", "dear", (_spacing(scene, 0.75), "solver.cfl=0.2", "time.n_sub_max=200")),
+        Knob("combined", "dear", (_spacing(scene, 0.75), "solver.cfl=0.2", MANY)),
     ]
 
 
 def reference(scene):
     """Return the overrides of the reference run."""
-    return [_spacing(scene, 0.5), "solver.precision=double", "solver.cfl=0.2", "time.n_sub_max=1000"]
+    return [_spacing(scene, 0.5), "solver.precision=double", "solver.cfl=0.2", MANY]
 
 
 def shared(scene):

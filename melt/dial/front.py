@@ -6,6 +6,11 @@ import math
 DRAFT_ERROR = 10.0
 #: A preset "accurate" may cost this many times the scene as it is.
 ACCURATE_COST = 4.0
+#: The rules in words, for the head of a stored front.
+RULES = (
+    f"accurate: cheapest within the spread of the lowest error at up to {ACCURATE_COST:g}x default's cost; "
+    f"draft: cheapest with at most {DRAFT_ERROR:g} % or 3x default's error; balanced: the knee between them"
+)
 
 
 def on_front(points):

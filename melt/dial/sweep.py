@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from melt.dial import measure, report, systems
-from melt.dial.front import on_front, presets_of
+from melt.dial.front import RULES, on_front, presets_of
 from melt.dial.vocabulary import errors_of, headline
 from melt.errors import MeltError
 from melt.forecast import forecast
@@ -169,6 +169,7 @@ def facts_of(scene, path, what, reference, window, seeds, random):
         "steps": round(window / scene.time.dt),
         "simulated": f"{window:g} s",
         "seeds": f"{seeds}, {repeated}" if seeds > 1 else "1, no spread",
+        "presets": RULES,
         "date": datetime.date.today().isoformat(),
         "version": version("melt"),
         "machine": f"{processor()}, {os.cpu_count()} cores, CPU backend",
