@@ -70,16 +70,16 @@ def reseeded(scene, k):
 
 
 def measure(scene):
-    """Return the `Measure`: all in their change, but the surface in a spacing at least, temperature in a kelvin, boiled in 1 %."""
+    """Return the `Measure`: all in their change, but the surface in the depth, temperature in a kelvin, boiled in 1 % at least."""
     floors = {"bottom": 1.0, "surface": 1.0, "temperature": 1.0, "boiled": 0.01}
     return Measure(
-        "r.m.s. distance from the converged run, the worst of: compression of the bottom layers, height of the surface, "
+        "r.m.s. distance from the converged run, the worst of: compression of the bottom layers, height of the surface over the depth, "
         "mean temperature, share that has boiled", floors,
     )
 
 
 def curves(sim):
-    """Return the figures of now: compression of the lowest layers, surface [spacings], temperature in its range, boiled share."""
+    """Return the figures of now: compression of the lowest layers, surface in the depth at the start, temperature in its range, boiled share."""
     values, d = sim.series(), sim.scene.spacing
     liquid = sim.read("phase") == 0
     z = sim.read("position")[liquid, 2].astype(float) - sim.scene.domain.lower[2]
@@ -87,8 +87,9 @@ def curves(sim):
     over = sim.read("constraint") if solved else sim.read("density") / sim.scene.fluid.density - 1
     squeezed = np.maximum(over[liquid].astype(float), 0)
     low = z < 3 * d
+    depth = float(np.ptp(sim.initial["position"][2, sim.initial["phase"] == 0])) + d
     top = values.get("surface_height", float(np.quantile(z, 0.98)) if z.size else 0.0)
-    found = {"bottom": float(squeezed[low].mean()) if low.any() else 0.0, "surface": top / d}
+    found = {"bottom": float(squeezed[low].mean()) if low.any() else 0.0, "surface": top / depth}
     if "boiled" in values:
         found["boiled"] = values["boiled"] / max(sim._start["liquids"], 1)
     return found | temperature(sim)

@@ -54,7 +54,7 @@ def _vortices(sim):
     share = float((m[:, None] * v * flow).sum() / (m[:, None] * flow**2).sum())
     first = scene.fluid.flow.rate / k
     nu = scene.viscosity.mu / scene.fluid.density
-    return {"amplitude": abs(abs(share) / first - np.exp(-2 * k**2 * nu * sim.time))}
+    return {"amplitude": float(abs(abs(share) / first - np.exp(-2 * k**2 * nu * sim.time)))}
 
 
 def _hydrostatic(sim):
