@@ -79,7 +79,7 @@ def measure(scene):
 
 
 def curves(sim):
-    """Return the figures of now: compression of the lowest layers, surface in the depth at the start, temperature in its range, boiled share."""
+    """Return the figures of now: compression of the lowest layers, surface over the depth at the start, temperature, boiled share."""
     values, d = sim.series(), sim.scene.spacing
     liquid = sim.read("phase") == 0
     z = sim.read("position")[liquid, 2].astype(float) - sim.scene.domain.lower[2]
