@@ -2,6 +2,7 @@
 
 import datetime
 import os
+import pathlib
 import time
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ from melt.geometry.build import build
 from melt.output.provenance import processor, version
 from melt.plan import prepare
 from melt.scene import find_scene, load_scene
-from melt.scene.fronts import Front, FrontPoint, fingerprint, store, stored_front
+from melt.scene.fronts import Front, FrontPoint, fingerprint, front_path, store, stored_front
 
 WITHIN = 120.0  # s of wall time that a whole sweep takes unless given
 FEWEST = 20  # outer steps that say anything: rather than fewer, candidates are left out
@@ -43,6 +44,8 @@ def run(name, out=None, steps=None, within=None, seeds=2, knobs=None, keep=False
         `Study`.
     """
     path, began = find_scene(name), time.perf_counter()
+    for target in ([out] if out else []) + ([front_path(path)] if keep else []):
+        _check_writable(target)
     scene = load_scene(name)
     system, what = systems.system_of(scene), systems.measure_of(scene)
 
@@ -84,6 +87,15 @@ def run(name, out=None, steps=None, within=None, seeds=2, knobs=None, keep=False
         report.write(study, out)
         report.plot(study, str(out).rsplit(".", 1)[0] + ".png")
     return study
+
+
+def _check_writable(target):
+    """Raise `MeltError` if a result could not be written: before the runs, not after them."""
+    folder = pathlib.Path(target).absolute().parent
+    if folder.name == "fronts" and not folder.exists():  # made when the first one is stored
+        folder = folder.parent
+    if not folder.is_dir() or not os.access(folder, os.W_OK) or pathlib.Path(target).is_dir():
+        raise MeltError(f"{target} cannot be written: give a file in a folder of yours (a scene's front is stored beside it)")
 
 
 def _names(errors):

@@ -101,6 +101,8 @@ def test_sweep_of_a_scene_of_ones_own_stores_its_front_and_keeps_its_reference(t
         load_scene(path, preset="draft")
     knobs = [Knob("default", ""), Knob("precision", "single", ("solver.precision=single",))]
     knobs += [Knob("bad", "", ("domain.gravity=[0, 0, -1e30]",))]
+    with pytest.raises(MeltError, match="cannot be written"):
+        sweep.run(path, out=tmp_path / "nowhere" / "s.h5", knobs=knobs)
     said = []
     options = dict(steps=3, seeds=2, knobs=knobs, cache=tmp_path / "cache", say=said.append)
     first = sweep.run(path, keep=True, out=tmp_path / "s.h5", **options)
