@@ -64,6 +64,11 @@ def shared(scene):
     return []
 
 
+def shortest(scene):
+    """Return the shortest run that tells anything [s]: no demand."""
+    return 0.0
+
+
 def reseeded(scene, k):
     """Return the overrides of the k-th repetition: other bubbles."""
     return [f"boiling.seed={scene.boiling.seed + k}"] if scene.boiling else []

@@ -74,6 +74,11 @@ def shared(scene):
     return []
 
 
+def shortest(scene):
+    """Return the shortest run that tells anything [s]: no demand."""
+    return 0.0
+
+
 def reseeded(scene, k):
     """Return the overrides of the k-th repetition: columns that stand elsewhere."""
     return [f"fluid.seed={scene.fluid.seed + k}"] if scene.fluid.fill else []

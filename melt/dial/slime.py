@@ -113,6 +113,11 @@ def shared(scene):
     return found
 
 
+def shortest(scene):
+    """Return the shortest run that tells anything [s]: a thread must reach the plate, 5 radii below, and pile up on it."""
+    return max((8 * nozzle.radius / nozzle.speed for nozzle in scene.inflow), default=0.0)
+
+
 def reseeded(scene, k):
     """Return the overrides of the k-th repetition: of all that is random in it."""
     s = scene.solver

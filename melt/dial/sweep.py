@@ -122,7 +122,7 @@ def lay_out(load, knobs, shared, reference, seeds, within, steps=None):
     rates = {k.label: seeds * _rate(load([*shared, *k.overrides]), initial if _numerical(k) else None) for k in knobs}
     first = _rate(load(reference)) if reference else 0.0
     longest = default.time.end
-    shortest = min(FEWEST * default.time.dt, longest)
+    shortest = min(max(FEWEST * default.time.dt, systems.system_of(default).shortest(default)), longest)
     kept = list(knobs)
     while steps is None and len(kept) > LEAST and shortest * (first + sum(rates[k.label] for k in kept)) > within:
         kept.pop()

@@ -5,6 +5,7 @@
 ``combined(scene)``   candidates with several turned: the ends of the front
 ``reference(scene)``  overrides of the run that all are compared with
 ``shared(scene)``     overrides that all runs of the study share, [] if it is run as it is
+``shortest(scene)``   simulated seconds that a run must last to tell anything
 ``reseeded(scene, k)``  overrides of the k-th repetition, [] if nothing in it is random
 ``measure(scene)``    what its headline error is, as `Measure`
 ``curves(sim)``       the figures that it compares, now
