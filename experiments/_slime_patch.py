@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from experiments._slime_runs import energy, liquid, settings_of, spin, start, to, turned
+from melt.slime.exact import axes, axes_of
 
 EARLY = (0.045, 0.125)  # w t over which it is averaged: the first steps also hold what the start's density lacks
 CENTRE = 0.1473  # -p/(rho w^2 L^2) in the middle of a rotating square, from the series of Laplace's equation
@@ -38,30 +39,6 @@ def square(*settings, end=2.0, **taken):
     }
 
 
-def axes_of(rate, end, central=0.0, a=1.0, b=1.0, steps=20_000):
-    """Return times, and the semi-axes along x and z of the exact ellipse: A' = (A^2 + B^2)(b^2 - a^2)/(a^2 + b^2), a' = A a."""
-
-    def slope(y):
-        A, a, b = y
-        return np.array([(A * A + central) * (b * b - a * a) / (a * a + b * b), A * a, -A * b])
-
-    y, dt, rows = np.array([rate, a, b]), end / steps, []
-    for _ in range(steps + 1):
-        rows.append(y)
-        k1 = slope(y)
-        k2 = slope(y + dt / 2 * k1)
-        k3 = slope(y + dt / 2 * k2)
-        y = y + dt / 6 * (k1 + 2 * k2 + 2 * k3 + slope(y + dt * k3))
-    rows = np.array(rows)
-    return np.linspace(0, end, steps + 1), rows[:, 1], rows[:, 2]
-
-
-def axes(q):
-    """Return semi-axes along x and z from second moments: those of an ellipse are a^2/4, b^2/4."""
-    d = q.x - np.average(q.x, axis=0, weights=q.m)
-    return 2 * np.sqrt(np.average(d**2, axis=0, weights=q.m))
-
-
 def ellipse(*settings, end=1.0, spacing=0.0795, **taken):
     """Return errors of the semi-axes and the energy of a disc that stretches without a force until A t = ``end``.
 
@@ -70,14 +47,14 @@ def ellipse(*settings, end=1.0, spacing=0.0795, **taken):
     sim = turned("oscillating_drop", "fluid.central=0", "fluid.flow.rate=1.0", f"domain.spacing={spacing}",
                 "domain.lower=[-3.0, 0.0, -3.0]", "domain.upper=[3.0, 0.0, 3.0]", *settings, **taken)
     q = liquid(sim)
-    first = axes(q)
+    first = axes(q.x, q.m)
     sim.step()
     q = liquid(sim)
     moving = energy(q.m, q.v)  # at t = 0 nodes at the rim have the mass of APIC particles further in, and their own speed
     found = to(sim, end)
     q = liquid(sim)
     _, a, b = axes_of(1.0, end)
-    last = axes(q) / first
+    last = axes(q.x, q.m) / first
     return {"x": last[0] / a[-1] - 1, "z": last[1] / b[-1] - 1, "energy": energy(q.m, q.v) / moving - 1,
             "density": float(np.median(sim.read("density_ratio")[q.keep])), "seconds": found["seconds"],
             "settings": settings_of(sim, found)}
@@ -90,10 +67,10 @@ def drop(*settings, periods=1.5, **taken):
     t, a, _ = axes_of(rate, 12.0, central)
     period = _upward(t, a)[1] if len(_upward(t, a)) > 1 else math.nan
     times, wide, q = [0.0], [1.0], liquid(sim)
-    first = axes(q)
+    first = axes(q.x, q.m)
 
     def watch(sim):
-        last = axes(liquid(sim)) / first
+        last = axes(*_matter(sim)) / first
         times.append(sim.time)
         wide.append(float(last[0] / math.sqrt(last[0] * last[1])))  # of the area it has: a is 1 in the middle of a swing
 
@@ -106,6 +83,11 @@ def drop(*settings, periods=1.5, **taken):
     return {"period": (up[1] if len(up) > 1 else math.nan) / period - 1, "exact": period, "amplitude": swing - 1,
             "density": float(np.median(sim.read("density_ratio")[liquid(sim).keep])), "seconds": found["seconds"],
             "settings": settings_of(sim, found)}
+
+
+def _matter(sim):
+    q = liquid(sim)
+    return q.x, q.m
 
 
 def _upward(t, a):

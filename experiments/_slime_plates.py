@@ -6,36 +6,23 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from experiments._slime_runs import energy, liquid, settings_of, start, to
+from melt.slime.exact import couette, poiseuille
 
 H, NU, SPEED, FORCE = 0.01, 1e-3, 0.1, 8.0  # of the scenes couette and poiseuille
 INSTANTS = (0.01, 0.02, 0.05, 0.1)
 NOISY = 0.25  # jitter of a disordered start in spacings
 
 
-def couette(z, t):
-    """Return the velocity at height z after t seconds: a linear profile and its Fourier series."""
-    n = np.arange(1, 200)[:, None]
-    waves = (2 * SPEED / (n * np.pi) * (-1.0) ** n * np.sin(n * np.pi * z / H) * np.exp(-NU * (n * np.pi / H) ** 2 * t)).sum(axis=0)
-    return SPEED * z / H + waves
-
-
-def poiseuille(z, t):
-    """Return the velocity between plates at rest, driven by an acceleration."""
-    n = (2 * np.arange(200) + 1)[:, None]
-    waves = (4 * FORCE * H**2 / (NU * np.pi**3 * n**3) * np.sin(n * np.pi * z / H) * np.exp(-NU * (n * np.pi / H) ** 2 * t)).sum(axis=0)
-    return FORCE / (2 * NU) * z * (H - z) - waves
-
-
 def start_up(kind, across, *settings, end=INSTANTS[-1]):
     """Return L2 errors of the velocity at `INSTANTS`, the largest of them, and the ratio of speeds at the end."""
-    exact = {"couette": couette, "poiseuille": poiseuille}[kind]
+    exact, drive = {"couette": (couette, SPEED), "poiseuille": (poiseuille, FORCE)}[kind]
     sim = start(kind, f"domain.spacing={H / across}", *settings)
     errors, tally, ratio = [], {}, 0.0
     for instant in (t for t in INSTANTS if t <= end):
         found = to(sim, instant)
         tally = {k: tally.get(k, 0) + v * (found["sub_steps"] if "iterations" in k else 1) for k, v in found.items()}
         q = liquid(sim)
-        wanted = exact(q.x[:, 1], sim.time)
+        wanted = exact(q.x[:, 1], sim.time, H, NU, drive)
         errors.append(float(np.sqrt(((q.v[:, 0] - wanted) ** 2).sum() / (wanted**2).sum())))
         ratio = float((q.v[:, 0] * wanted).sum() / (wanted**2).sum())
     tally = {k: v / tally["sub_steps"] if "iterations" in k else v for k, v in tally.items()}

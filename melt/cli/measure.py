@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from melt.cli import DIFFERENT, app
-from melt.cli.options import Backend, SceneName
+from melt.cli.options import Backend
 from melt.errors import MeltError
 
 Out = Annotated[pathlib.Path | None, typer.Option("--output", "-o", help="File for the results (HDF5).")]
@@ -89,16 +89,31 @@ def bench(
 
 @app.command("tradeoff")
 def tradeoff(
-    scene: SceneName,
-    steps: Annotated[int | None, typer.Option("--steps", min=1, help="Outer steps of each run.")] = None,
+    scene: Annotated[str | None, typer.Argument(metavar="SCENE", help="Name of a shipped scene, or path of a .toml file.")] = None,
+    steps: Annotated[int | None, typer.Option("--steps", min=1, help="Outer steps of each run; as many as fit unless given.")] = None,
+    within: Annotated[str, typer.Option("--within", metavar="TIME", help="About how long the whole sweep takes.")] = "120 s",
+    seeds: Annotated[int, typer.Option("--seeds", min=1, max=20, help="Repetitions of each point; their scatter is its spread.")] = 2,
+    keep: Annotated[bool, typer.Option("--store", help="Store the front, from which presets are taken.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="All shipped scenes; those whose stored front is fresh are skipped.")] = False,
     out: Out = None,
 ):
-    """Measure the speed-for-error front of a scene: one knob at a time, error beside time."""
-    from melt import tradeoff as study
-    from melt.scene import find_scene
+    """Measure what the knobs of a scene cost and what error they bring: points, Pareto front, presets."""
+    from melt import units
+    from melt.dial import sweep
+    from melt.scene import find_scene, shipped_scenes
 
-    find_scene(scene)
-    study.run(scene, out, steps, say=typer.echo)
+    if (scene is None) != every:
+        raise MeltError("name one SCENE, or give --all without one")
+    if every and out:
+        raise MeltError("--output is for one scene: leave it out with --all")
+    options = dict(steps=steps, within=units.read(within, "time"), seeds=seeds, keep=keep, say=typer.echo)
+    if not options["within"] > 0:
+        raise MeltError(f"--within {within}: it must be a time above 0 s, such as '60 s'")
+    if not every:
+        find_scene(scene)
+        sweep.run(scene, out, **options)
+    elif failed := sweep.run_all(shipped_scenes(), options):
+        raise MeltError(f"{len(failed)} of {len(shipped_scenes())} scenes could not be measured: {', '.join(failed)}")
 
 
 @app.command("reproduce")

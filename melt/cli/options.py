@@ -16,7 +16,14 @@ Overrides = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Override a scene value (repeat as needed)."),
 ]
 Preset = Annotated[
-    str | None, typer.Option("--preset", help="default, paper, physical, or one of the scene's own.")
+    str | None,
+    typer.Option("--preset", help="draft, balanced, accurate (measured), default, paper, physical, or one of the scene's own."),
+]
+MaxError = Annotated[
+    str | None, typer.Option("--max-error", metavar="SHARE", help="Cheapest measured point within this error ('2%').")
+]
+Budget = Annotated[
+    str | None, typer.Option("--budget", metavar="TIME", help="Most accurate measured point whose forecast fits ('60 s').")
 ]
 Backend = Annotated[str, typer.Option("--backend", "-b", help=BACKENDS + ".")]
 Precision = Annotated[

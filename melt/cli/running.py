@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from melt.cli import app
-from melt.cli.options import Backend, Overrides, Precision, Preset, Quiet, RunPath, SceneName, Threads
+from melt.cli.options import Backend, Budget, MaxError, Overrides, Precision, Preset, Quiet, RunPath, SceneName, Threads
 from melt.cli.progress import RunProgress
 from melt.errors import MeltError
 
@@ -25,6 +25,8 @@ def run(
     ] = None,
     override: Overrides = None,
     preset: Preset = None,
+    max_error: MaxError = None,
+    budget: Budget = None,
     backend: Backend = "auto",
     precision: Precision = None,
     threads: Threads = None,
@@ -41,10 +43,11 @@ def run(
     quiet: Quiet = False,
 ):
     """Run a scene and write its run file, which ParaView opens as it is."""
-    from melt.scene import find_scene, load_scene
+    from melt.dial.choose import choose
+    from melt.scene import find_scene
 
-    chosen = load_scene(scene, override or (), preset)
     end = _seconds(until)
+    chosen, said = choose(scene, override or (), preset, max_error, budget, end)
     _precision(precision)
     output = output or pathlib.Path(f"{pathlib.Path(scene).stem}.vtkhdf")
     if output.suffix.lower() in (".mp4", ".png", ".jpg", ".ply", ".obj", ".stl", ".pov"):
@@ -55,6 +58,8 @@ def run(
     from melt import simulation
 
     with RunProgress(quiet) as progress, _nothing_written(progress, output):
+        for line in said:
+            progress.say(line)
         result = simulation.run(
             chosen,
             output,

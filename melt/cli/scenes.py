@@ -7,7 +7,7 @@ import typer
 from rich.table import Table
 
 from melt.cli import app, console
-from melt.cli.options import Overrides, Precision, Preset, SceneName
+from melt.cli.options import Budget, MaxError, Overrides, Precision, Preset, SceneName
 
 
 @app.command("scenes")
@@ -29,13 +29,20 @@ def scenes(
 
 
 @app.command("plan")
-def plan(scene: SceneName, override: Overrides = None, preset: Preset = None, precision: Precision = None):
+def plan(
+    scene: SceneName,
+    override: Overrides = None,
+    preset: Preset = None,
+    precision: Precision = None,
+    max_error: MaxError = None,
+    budget: Budget = None,
+):
     """Say what a run would do: stages, fields, memory, time steps, and findings with their fixes."""
+    from melt.dial.choose import choose
     from melt.preflight import plan as make_plan
-    from melt.scene import load_scene
 
-    chosen = load_scene(scene, override or (), preset)
-    for line in make_plan(chosen, precision=precision).lines():
+    chosen, said = choose(scene, override or (), preset, max_error, budget)
+    for line in (*said, *make_plan(chosen, precision=precision).lines()):
         typer.echo(line)
 
 

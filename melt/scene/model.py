@@ -45,6 +45,8 @@ class About(Section):
     description: str = ""
     figure: str = ""
     """Paper figure or experiment that the scene stands for."""
+    exact: Literal["couette", "poiseuille", "vortices", "hydrostatic", "rotation", "ellipse", "dam", "pool", "rest"] | None = None
+    """Exact solution that its errors are measured by (melt tradeoff); a converged run of it unless given."""
 
 
 class Time(Section):

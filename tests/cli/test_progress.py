@@ -121,14 +121,6 @@ def test_plan_says_the_forecast_and_why_sub_steps_are_small():
     assert "keeps compression within fluid.compression" in said
 
 
-def test_tradeoff_says_first_how_many_runs_and_how_long():
-    from melt.tradeoff import expected, knobs_of
-
-    scene = load_scene("ice_cube_small")
-    said = expected([scene] * (1 + len(knobs_of(scene))), 100)
-    assert said.startswith(f"{1 + len(knobs_of(scene))} runs, about ") and "free cores" in said
-
-
 def child(*words, **options):
     environment = {**os.environ, "PYTHONPATH": str(SOURCE), "COLUMNS": "80"}
     return subprocess.Popen([sys.executable, "-m", "melt", *map(str, words)], env=environment, text=True, **options)
