@@ -25,7 +25,7 @@ from melt.watch import capsule
 
 RUN = "the run"
 #: Particles beyond which a backend is left out unless it is asked for: it takes minutes.
-LARGEST = {"reference": 20_000, "cuda-simulated": 300}
+LARGEST = {"reference": 20_000, "cuda-simulated": 1_500}
 
 
 class Replay(NamedTuple):

@@ -82,7 +82,7 @@ class Watchdog:
         clock.halvings, clock.doublings = halvings + 1, doublings
         clock.halved_until = begun + 1 + w.quiet * 2**doublings
         news = f"Back to t = {self.sim.time:.5g} s (step {clock.step}), on with steps of {dt / 2**clock.halvings:.3g} s"
-        clock.alarms = [*alarms, f"{alarm}. {news}"]
+        clock.alarms = [*alarms, f"{str(alarm).partition('. The frames before')[0]}. {news}"]  # without remedies
         self.good = self.sim.checkpoint()
         self.say("unstable", message=f"{text} {news}")
 
