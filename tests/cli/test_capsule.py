@@ -16,7 +16,7 @@ def fast(tmp_path_factory):
     """The capsule of a run that was stopped for its speed, and what it said."""
     folder = tmp_path_factory.mktemp("fast")
     (folder / "drop.toml").write_text(SCENE)
-    result = melt("run", folder / "drop.toml", "-o", folder / "run.vtkhdf", "-b", "cpu", "--set", "watch.speed=0.05 m/s")
+    result = melt("run", folder / "drop.toml", "-o", folder / "run.vtkhdf", "-b", "cpu", "-q", "--set", "watch.speed=0.05 m/s")
     return folder / "run.vtkhdf.capsule.h5", result
 
 
