@@ -23,7 +23,7 @@ DFSPH = {"pressure": "dfsph", "apic": None, "ghosts": None}
 #: Scenes that burst as they are, and what is said of it; halved steps save each.
 UNSTABLE = {
     "melting": (
-        lambda: scene(time={"n_sub": 1, "dt": 0.06, "end": 1.2, "output_every": 0.12}),
+        lambda: scene(time={"n_sub": 1, "dt": 0.06, "end": 0.6, "output_every": 0.12}),
         r"the largest speed is .* beyond the alarm of .* the bound 'sound' allows .* Stage kick ",
     ),
     "boiling": (
