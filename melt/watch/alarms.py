@@ -9,7 +9,7 @@ from melt.errors import Unstable
 from melt.physics.phases import INACTIVE, LIQUID
 from melt.stages import STAGES
 
-#: ``watch.speed = "auto"`` is this many times `reachable` (25 times the energy); shipped scenes came to 0.9 of it at most.
+#: ``watch.speed = "auto"`` is this many times `reachable` (25 times the energy).
 SPEED_FACTOR = 5
 
 
