@@ -28,7 +28,7 @@ def new_clock():
         time=0.0, step=0, previous_dt=0.0, max_speed=0.0, max_acceleration=0.0, active=0, layers={},
         entered={}, origin_time=0.0, origin_step=0, melted=0, frozen=0, energy_in=0.0,
         sub_step=0, bubbles=0, largest_bubble=0.0, next_id=0, ledger={}, largest_support=0.0, sources={}, readings=[],
-        apic=0, largest_affine=0.0, tally={},
+        apic=0, largest_affine=0.0, tally={}, halvings=0, doublings=0, halved_until=0, alarms=[],
     )
 
 

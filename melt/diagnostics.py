@@ -83,15 +83,11 @@ def series(do, start):
         values.update(_carried_by_apic(state))
     balance = values["mass"] + values["mass_deleted"]
     values["mass_created"] = balance - start["mass"] - start["mass_entered"](do.clock)
-    if "density" in wide and do.clock.step > 0 and liquid.any():
-        values.update(_compression(wide, liquid))
-    if "density_ratio" in wide and do.clock.step > 0 and liquid.any():
-        error = np.maximum(wide["density_ratio"][liquid] - 1.0, 0.0)  # at the start of the last sub-step
-        values["density_error_max"], values["density_error_mean"] = float(error.max()), float(error.mean())
-    if "constraint" in wide and do.clock.step > 0 and liquid.any():
-        error = np.maximum(wide["constraint"][liquid], 0.0)  # before the last correction
+    if (measure := measure_of(wide)) and do.clock.step > 0 and liquid.any():
+        error = compression(wide, liquid)
+        counted = error if measure == "density_ratio" else error[error > 0]
         values["density_error_max"] = float(error.max())
-        values["density_error_mean"] = float(error[error > 0].mean()) if error.any() else 0.0
+        values["density_error_mean"] = float(counted.mean()) if counted.size else 0.0
     if "neighbour_count" in f and liquid.any():
         values["neighbours_mean"] = float(f["neighbour_count"][liquid].mean())
         values["neighbours_max"] = int(f["neighbour_count"].max())
@@ -157,14 +153,23 @@ def coincident(position, counted, active):
     return int((counted[some] & (count[place.ravel()] > 1)).sum())
 
 
-def _compression(wide, liquid):
-    rest = wide["mass"][liquid] / np.maximum(wide["volume"][liquid], 1e-300)
-    error = np.maximum(wide["density"][liquid] / rest - 1.0, 0.0)
-    compressed = error[error > 0]
-    return {
-        "density_error_max": float(error.max()),
-        "density_error_mean": float(compressed.mean()) if compressed.size else 0.0,
-    }
+def measure_of(fields):
+    """Return the name of the field that says how dense the liquid of a run is; None for one without (floods, still scenes)."""
+    return next((name for name in ("constraint", "density_ratio", "density") if name in fields), None)
+
+
+def compression(fields, liquid):
+    """Return rho/rho_0 - 1 of the ``liquid`` particles, 0 where they are less dense.
+
+    ``fields``: name -> array, with that of `measure_of`: the constraint before the last correction, the density ratio at
+    the start of the last sub-step, or the density with mass and volume.
+    """
+    measure = measure_of(fields)
+    error = fields[measure][liquid].astype(np.float64)
+    if measure == "density":
+        mass, volume = (fields[name][liquid].astype(np.float64) for name in ("mass", "volume"))
+        error = error / (mass / np.maximum(volume, 1e-300))
+    return np.maximum(error if measure == "constraint" else error - 1.0, 0.0)
 
 
 def _melting_points(state, phase, material):

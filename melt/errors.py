@@ -5,6 +5,18 @@ class MeltError(Exception):
     """A message for the user; the command line prints it without a traceback."""
 
 
+class Unstable(MeltError):
+    """A run that went wrong by itself: a shorter step may save it.
+
+    ``stage`` names one whose last call shows it, ``speed`` is the bound [m/s] that a particle exceeded; with neither, a
+    value is not finite.
+    """
+
+    def __init__(self, text, stage=None, speed=None):
+        super().__init__(text)
+        self.stage, self.speed = stage, speed
+
+
 class NotFinite(MeltError):
     """A step page read a number back that is not finite; the simulation tells which particle."""
 

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 
-from melt.errors import InputError, MeltError
+from melt.errors import InputError, Unstable
 from melt.fields import CARRIED, FIELDS
 from melt.fields_slime import APIC_CARRIED
 from melt.physics.phases import INACTIVE, LIQUID, SOLID
 from melt.stages import STAGES
 from melt.state import REAL
+from melt.watch.alarms import particle, remedy, when
 
 #: Outer steps between looks at the fields where that needs a read-back from a device (else every step).
 CHECK_EVERY = 16
@@ -64,20 +65,32 @@ def check_number(name, value, above=None, at_least=None):
 
 
 def check_state(sim):
-    """Raise `MeltError` if a particle of the run holds a value that is not finite.
+    """Raise `Unstable` if a particle of the run holds a value that is not finite.
 
     Looks at the fields that particles carry from step to step; all others derive from them.
     """
-    for names, phase in ((CARRIED, "phase"), (APIC_CARRIED, "apic_phase")):
-        active = sim.state.read(phase) != INACTIVE if phase in sim.state else None
-        for name in names:
-            if name in sim.state and FIELDS[name].kind != "int" and _bad(sim.state.read(name), active).any():
-                raise MeltError(not_finite(sim))
+    active = active_of(sim.state)
+    for name in (*CARRIED, *APIC_CARRIED):
+        if name in sim.state and FIELDS[name].kind != "int":
+            if bad_values(name, sim.state.read(name), active).any():
+                raise Unstable(not_finite(sim))
 
 
-def _bad(values, active):
-    bad = ~np.isfinite(values)
-    return (bad if bad.ndim == 1 else bad.any(axis=0)) & active
+def bad_values(name, values, active):
+    """Return where an array of field ``name`` holds what is neither finite nor means something.
+
+    ``active``: of `active_of`.
+    """
+    bad = ~np.isfinite(values) & (name not in _INFINITE_ALLOWED)
+    for axis, extent in enumerate(FIELDS[name].shape):
+        if extent in active:
+            bad &= active[extent].reshape([-1 if k == axis else 1 for k in range(bad.ndim)])
+    return bad
+
+
+def active_of(state):
+    """Return {extent: which of its particles are there}."""
+    return {of: state.read(phase) != INACTIVE for of, phase in PHASE.items() if phase in state}
 
 
 def not_finite(sim):
@@ -87,49 +100,39 @@ def not_finite(sim):
     particles have bad is named (the first in stage order), and one of these particles.
     """
     state, clock = sim.state, sim.do.clock
-    active = {of: state.read(phase) != INACTIVE for of, phase in _PHASE.items() if phase in state}
-    when = f"step {clock.step}, t = {clock.time:.5g} s"
-    after = (
-        "The frames before are kept. Lower time.dt, fix time.n_sub to more sub-steps, or raise "
-        + sim.prepared.steadier
-    )
+    active = active_of(state)
     found = []
     names = [name for stage in sim.prepared.stages for name in STAGES[stage].writes]
     for name in dict.fromkeys([*APIC_CARRIED, *names, *CARRIED]):  # nodes have what they have from APIC particles
         field = FIELDS.get(name)
-        if (
-            name not in state
-            or field.kind == "int"
-            or field.shape[-1] not in active
-            or name in _INFINITE_ALLOWED
-        ):
+        if name not in state or field.kind == "int" or field.shape[-1] not in active:
             continue
-        bad = _bad(state.read(name), active[field.shape[-1]])
+        bad = bad_values(name, state.read(name), active)
+        bad = bad.any(axis=tuple(range(bad.ndim - 1)))
         if bad.any():
             found.append((int(bad.sum()), name, bad))
     if found:
         _, name, bad = min(found, key=lambda f: f[0])
         i, of = int(np.argmax(bad)), "apic_" if FIELDS[name].shape[-1] == "apic" else ""
-        x = np.array2string(state.read(of + "position")[:, i], precision=4)
         name = name.removesuffix("_kept")  # of the start of a sub-step
         stages = " or ".join(s for s in sim.prepared.stages if name in STAGES[s].writes) or "none: it was so from outside"
-        who = f"{of.upper().replace('_', ' ')}particle {int(state.read(of + 'id')[i])}, position {x} m{_more(bad)}"
-        return f"{when}: field {name} (stage {stages}) is not finite at {who}. {after}"
+        return f"{when(clock)}: field {name} (stage {stages}) is not finite at {particle(sim, i, of)}{_more(bad)}. {remedy(sim)}"
     speed = np.where(active["particle"], np.linalg.norm(state.read("velocity").astype(np.float64), axis=0), -1.0)
     i = int(np.argmax(speed))
     return (
-        f"{when}: the square of field velocity or of force/mass (stage motion_bounds) is not finite; "
-        f"particle {int(state.read('id')[i])} has {speed[i]:.3g} m/s. {after}"
+        f"{when(clock)}: the square of field velocity or of force/mass (stage motion_bounds) is not finite; "
+        f"particle {int(state.read('id')[i])} has {speed[i]:.3g} m/s. {remedy(sim)}"
     )
 
 
 #: Extents of what is looked at, and the field that says which of them are there.
-_PHASE = {"particle": "phase", "apic": "apic_phase"}
-#: Particle fields in which infinity means something (see `melt.fields`).
+PHASE = {"particle": "phase", "apic": "apic_phase"}
+#: Fields in which infinity means something (see `melt.fields`).
 _INFINITE_ALLOWED = {
     "latent_point",
     "heat_capacity",
     "heat_capacity_molten",
     "heat_linear",
     "cg_diagonal",
+    "heat_error",  # extremes of a share of the particles that has none with a heat capacity
 }

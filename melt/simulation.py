@@ -8,10 +8,10 @@ import numpy as np
 from melt import backend as backends
 from melt import plan
 from melt.ahead import compile_ahead
-from melt.bind import Lockstep, Plain, Timed
+from melt.bind import Lockstep, Plain, Timed, new_clock
 from melt.errors import MeltError
 from melt.fields import FIELDS, owned
-from melt.finite import CHECK_EVERY, check_initial, check_number, check_state, not_finite
+from melt.finite import CHECK_EVERY, check_initial, check_number, check_state
 from melt.flood.maps import check_beside
 from melt.geometry.build import build
 from melt.geometry.lattice import lattice_fields
@@ -22,7 +22,10 @@ from melt.scales import scales_of
 from melt.scene import load_scene, scene_from_toml
 from melt.scene.model import OUTPUT_FIELDS
 from melt.state import State
-from melt.stepping import append_frame, loop
+from melt.stepping import append_frame, in_pieces, loop
+from melt.watch import capsule
+from melt.watch.alarms import bounds_of, check_density
+from melt.watch.watchdog import told
 
 #: Names of the time-step bounds, in the order of their number in ``series/governing_bound``.
 BOUNDS = (
@@ -63,20 +66,11 @@ class Simulation:
             self.do = Lockstep(self.backend, *given, follower=follower, scales=scales)
         else:
             self.do = (Timed if timed else Plain)(self.backend, *given)
-        for name in p.fields:
-            if name in self.initial:
-                self.state.set(name, self.initial[name])
-        # liquids start at their rest density: what reads it before the first density pass sees that
-        used = np.maximum(self.initial["rest_volume"], 1e-300)
-        for name, values in (("density", self.initial["mass"] / used), ("volume", self.initial["rest_volume"])):
-            if name in self.state:
-                self.state.set(name, values)
         self._timed_from = self._notes_from = 0
         self.lost_told, self.told = False, set()  # kinds of warnings, by their first word
         self._fingerprint = checkpoint.fingerprint(self.scene.to_toml())
-        clock = self.do.clock
-        clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
-        clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
+        self.bounds = bounds_of(self.scene, self.initial, p.settings)
+        self._set_initial()
         self.compile_seconds = compile_ahead(self.do, p.stages, p.renamed, progress)
         p.system.start(self.do)
         mobile = np.isin(self.initial["phase"], (LIQUID, SOLID, AIRBORNE))
@@ -86,6 +80,24 @@ class Simulation:
             "mass": float(self.initial["mass"][mobile].sum()),
             "mass_entered": self._mass_entered,
         }
+
+    def _set_initial(self):
+        """Bring all arrays and times to what they are before the system starts."""
+        for name in self.prepared.fields:
+            if name in self.initial:
+                self.state.set(name, self.initial[name])
+            else:
+                self.state.allocate(name)
+        # liquids start at their rest density: what reads it before the first density pass sees that
+        used = np.maximum(self.initial["rest_volume"], 1e-300)
+        for name, values in (("density", self.initial["mass"] / used), ("volume", self.initial["rest_volume"])):
+            if name in self.state:
+                self.state.set(name, values)
+        do, clock = self.do, self.do.clock
+        vars(clock).update(vars(new_clock()))
+        clock.active, clock.max_speed = self.initial.active, self.initial.top_speed
+        clock.layers = dict.fromkeys((n.name for n in self.initial.nozzles), 0)
+        do.notes, do.warning, do.listed = {}, "", False
 
     def _mass_entered(self, clock):
         mass = self.initial["inflow_mass"] if self.initial.nozzles else None
@@ -102,7 +114,7 @@ class Simulation:
         """Advance by one outer step (the scene's dt unless given).
 
         Raises:
-            MeltError: the step is not stable, or a value is not finite (what, where, remedy).
+            Unstable: an alarm of the watchdog (what, where, remedy).
             InputError: dt is not a positive number.
         """
         do, clock = self.do, self.do.clock
@@ -111,19 +123,18 @@ class Simulation:
             check_number("dt", dt, above=0)
         if clock.step == self._notes_from:  # what happened before the last frame was told in it
             do.notes.clear()
-        self.prepared.page(do, dt or self.scene.time.dt)
+        in_pieces(self, dt or self.scene.time.dt)
         # exact multiples of dt: no drift of the output times by rounding
         if dt:
             clock.origin_time, clock.origin_step = before + dt, clock.step
         clock.time = clock.origin_time + (clock.step - clock.origin_step) * self.scene.time.dt
-        if not np.isfinite([clock.max_speed, clock.max_acceleration]).all():
-            raise MeltError(not_finite(self))
         if not self.backend.on_device or clock.step % CHECK_EVERY == 0:
             self.check()
 
     def check(self):
-        """Raise `MeltError` if a value of a particle is not finite (step, stage, field, particle)."""
+        """Raise `Unstable` if a value of a particle is not finite, or the liquid is compressed beyond reason."""
         check_state(self)
+        check_density(self)
 
     def read(self, name):
         """Return a field in order of particle id, as NumPy, component last: (n,) or (n, 3)."""
@@ -145,10 +156,12 @@ class Simulation:
     def series(self):
         """Return the ledgers and notes of now, as {name: number}."""
         clock, notes = self.do.clock, self.do.notes
-        values = {"dt": self.scene.time.dt, "step": clock.step, **self.prepared.ledger.series(self.do, self._start)}
+        values = {"dt": self.scene.time.dt / 2**clock.halvings, "step": clock.step, **self.prepared.ledger.series(self.do, self._start)}
         for name, value in notes.items():
             values[name] = BOUNDS.index(value) if name == "governing_bound" else value
         steps = max(1, clock.step - self._timed_from)
+        if self.scene.watch.on_unstable == "halve":
+            values |= {"halvings": clock.halvings, "alarms": len(clock.alarms)}
         for name, seconds in getattr(self.do, "seconds", {}).items():
             values[f"ms/{name}"] = 1e3 * seconds / steps
         return values
@@ -182,10 +195,16 @@ class Simulation:
         self.restart_timers()
         self.do.notes, self._notes_from = dict(meta["notes"]), meta["notes_from"]
 
+    def rewind(self, arrays, meta):
+        """Go back to a `checkpoint` of this run: nothing that was there since has a part in what follows."""
+        self._set_initial()
+        self.prepared.system.start(self.do)
+        self.restore(arrays, meta)
+
 
 def run(
     scene, output=None, backend="auto", precision=None, threads=None, progress=None, overwrite=False,
-    lockstep=None, until=None,
+    lockstep=None, until=None, on_unstable=None,
 ):
     """Run a scene and write its run file.
 
@@ -197,12 +216,13 @@ def run(
         overwrite: replace an existing run file.
         lockstep: second backend to compare with, stage by stage.
         until: end time in place of the scene's [s].
+        on_unstable: ``stop`` or ``halve`` in place of the scene's ``watch.on_unstable``.
 
     Returns:
         SimpleNamespace with ``simulation``, ``interrupted`` (Ctrl-C ended it) and ``seconds``.
 
     Raises:
-        MeltError: bad scene, output that cannot be written, an unstable step.
+        MeltError: bad scene, output that cannot be written, an alarm that halved steps cannot heal (`Unstable`).
     """
     from melt.output.provenance import provenance
     from melt.output.run_file import RunWriter
@@ -210,6 +230,7 @@ def run(
     say = progress or (lambda event, **values: None)
     backends.set_threads(threads)
     scene = load_scene(scene) if isinstance(scene, (str, pathlib.Path)) else scene
+    scene = told(scene, on_unstable)
     total = scene.time.steps_to(check_number("until", scene.time.end if until is None else until, at_least=0))
     initial = build(scene)
     chosen = backends.load(backend)
@@ -233,8 +254,10 @@ def run(
         if writer:
             if sim.prepared.begin:
                 sim.prepared.begin(sim, writer)
+            sim.check()
             append_frame(writer, sim, say)
-            checkpoint.discard(checkpoint.beside(writer.path))  # of the run that it replaced
+            for older in (checkpoint.beside(writer.path), capsule.beside(writer.path)):  # of the run that it replaced
+                checkpoint.discard(older)
         return loop(sim, writer, say, total)
     finally:
         if writer:  # if it failed before the first frame nothing is worth keeping

@@ -1,19 +1,21 @@
-"""The part of the check that runs where ``NUMBA_ENABLE_CUDASIM=1``: see `melt.check.report.simulate`."""
+"""The part of the checks that runs where ``NUMBA_ENABLE_CUDASIM=1``: see `melt.check.report` and `melt.check.replay`."""
 
 import json
 import sys
 
 from melt import _compile
-from melt.check import report
+from melt.check import replay, report
 
 
 def main(job):
-    """Check the stages of ``job`` (JSON) on the simulator and write the rows to its ``out``."""
+    """Check the stages of ``job`` (JSON), or replay its capsule, on the simulator and write what comes to its ``out``."""
     if not _compile.SIMULATED:
         raise SystemExit("start this with NUMBA_ENABLE_CUDASIM=1 in the environment")
     if _compile.CUDA_MISSING:
         raise SystemExit(_compile.CUDA_MISSING)
     job = json.loads(job)
+    if "capsule" in job:
+        return replay.simulate(job["capsule"], job["out"])
     rows = []
     for stage in job["stages"]:
         for precision in job["precisions"]:

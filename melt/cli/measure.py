@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from melt.cli import DIFFERENT, app
+from melt.cli import DIFFERENT, app, console
 from melt.cli.options import Backend
 from melt.errors import MeltError
 
@@ -24,11 +24,21 @@ def check(
         list[str] | None, typer.Option("--precision", help="single, mixed, double (repeat).")
     ] = None,
     out: Out = None,
+    capsule: Annotated[
+        pathlib.Path | None, typer.Option("--capsule", metavar="FILE", help="Replay the call on which a run failed.")
+    ] = None,
 ):
     """Cross-check stages: reference, CPU and CUDA on the same inputs; exit code 3 on a difference."""
-    from melt.check import report
+    from melt.check import replay, report
     from melt.stages import STAGES
 
+    if capsule is not None:
+        if stages or precisions or out:
+            raise MeltError("--capsule has its own stage, inputs and precision: give it alone, or with --backend")
+        _known("backend", backends, (*report.BACKENDS, "cuda"))
+        if replay.main(capsule, backends, console()):
+            raise typer.Exit(DIFFERENT)
+        return
     _known("stage", stages, STAGES)
     _known("backend", backends, (*report.BACKENDS, "cuda"))
     _known("precision", precisions, report.PRECISIONS)

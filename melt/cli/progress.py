@@ -84,6 +84,9 @@ class RunProgress:
     def _on_warning(self, message, **_):
         self.say(f"note: {message}")
 
+    def _on_unstable(self, message, **_):
+        self.say(f"note: {message}")
+
     def _on_written(self, message, **_):
         self.say(message)
 

@@ -40,6 +40,10 @@ def run(
             "--lockstep", metavar="BACKEND", help="Run a second backend beside and compare each stage."
         ),
     ] = None,
+    on_unstable: Annotated[
+        str | None,
+        typer.Option("--on-unstable", metavar="stop|halve", help="On an alarm stop, or go back and on with half the step."),
+    ] = None,
     quiet: Quiet = False,
 ):
     """Run a scene and write its run file, which ParaView opens as it is."""
@@ -70,6 +74,7 @@ def run(
             overwrite=overwrite,
             lockstep=lockstep,
             until=end,
+            on_unstable=on_unstable,
         )
     _end(result, progress, output, lockstep)
 

@@ -142,7 +142,8 @@ class Emitter:
             raise InputError(f"a column of {volume:g} m^3: its volume must be positive")
         self.discharge, self.region, self.volume, self.key = discharge, region, float(volume), [int(seed), int(number)]
         self.direction, self.width, self.depth = direction, width, depth
-        self.state = dict(state or {"since": 0.0, "emitted": 0})
+        self.start = dict(state or {"since": 0.0, "emitted": 0})
+        self.state = dict(self.start)
 
     def owed(self, until):
         """Return the volume [m^3] that has not entered by a time [s]."""
@@ -190,7 +191,8 @@ class Rain:
         self._size = np.stack([g.ravel() for g in np.meshgrid(np.diff(edges[0]), np.diff(edges[1]))], axis=1)
         self._share = weight.ravel() * self._size.prod(axis=1)  # m^3 of a metre of rain
         self._turn = np.random.Generator(np.random.Philox(key=self.key)).permutation(len(self._share))
-        self.state = dict(state or {"since": 0.0, "emitted": [0] * len(self._share)})
+        self.start = dict(state or {"since": 0.0, "emitted": [0] * len(self._share)})
+        self.state = dict(self.start)
 
     def owed(self, until):
         """Return the volume [m^3] of each cell that has not entered by a time [s]; some are ahead of the rain."""

@@ -77,7 +77,7 @@ def entries(do, dt):
     start, stop = do.clock.time, do.clock.time + dt
     rows = do.size("entry")
     for name, emitter in sources.emitters.items():
-        emitter.state = kept.setdefault(name, {**emitter.state})
+        emitter.state = kept.setdefault(name, {**emitter.start})
         while (room := do.settings.capacity - do.clock.active) > 0:
             places = emitter.emit(stop, min(room, rows // CANDIDATES))
             if not len(places):

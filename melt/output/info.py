@@ -1,10 +1,13 @@
 """What a run file holds, in words: `melt info`."""
 
+import pathlib
+
 import numpy as np
 
 from melt.output.checkpoint import beside
 from melt.output.run_reader import open_run
 from melt.physics.phases import PHASE_NAMES
+from melt.watch.capsule import beside as capsule_beside
 
 #: What a value does not say by its name, by solver.melt_to.
 MEANING = {
@@ -39,6 +42,8 @@ def describe(run_path):
         rows += _floods(run)
         checkpoint = beside(run.path)
         rows.append(("checkpoint", str(checkpoint.name) if checkpoint.exists() else "none"))
+        if (capsule := pathlib.Path(capsule_beside(run.path))).exists():
+            rows.append(("capsule", f"{capsule.name}, of the last alarm: melt check --capsule replays it"))
     return rows
 
 

@@ -165,6 +165,10 @@ class RunWriter:
             raise self._fail(f"write frame {self.frames} (t = {time:g} s) to", error) from error
         self.frames += 1
 
+    def tell(self, name, text):
+        """Add a fact to the provenance; the next frame brings it into the file."""
+        self._root["melt/provenance"].attrs[name] = text
+
     def store(self, arrays, attributes, units=None):
         """Write arrays of the whole run to ``/melt/maps``, in place of those of an earlier end.
 

@@ -21,6 +21,7 @@ from melt.scene.quantities import (
     quantity,
 )
 from melt.scene.terrain import Friction, Terrain
+from melt.scene.watch import FloodWatch
 
 Discharge = quantity("discharge", at_least=0)
 SIDES = ("west", "east", "south", "north")
@@ -252,6 +253,7 @@ class FloodScene(Section):
     obstacle: list[FloodObstacle] = []
     gauge: list[Gauge] = []
     solver: FloodSolver = Field(default_factory=FloodSolver)
+    watch: FloodWatch = Field(default_factory=FloodWatch)
     output: FloodOutput = Field(default_factory=FloodOutput)
 
     @model_validator(mode="after")

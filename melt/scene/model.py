@@ -26,6 +26,7 @@ from melt.scene.quantities import (
 )
 from melt.scene.slime import INCOMPRESSIBLE, Elastic, Viscosity, check_incompressible
 from melt.scene.solver import Solver
+from melt.scene.watch import Watch
 
 #: Particle fields that a run file may have.
 OUTPUT_FIELDS = (
@@ -186,6 +187,7 @@ class Scene(Section):
     inflow: list[Inflow] = []
     obstacle: list[Obstacle] = []
     solver: Solver = Field(default_factory=Solver)
+    watch: Watch = Field(default_factory=Watch)
     output: Output = Field(default_factory=Output)
 
     @model_validator(mode="after")

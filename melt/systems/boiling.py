@@ -11,12 +11,12 @@ import math
 import numpy as np
 
 from melt.boiling import gravity_of, sph_sound_speed
-from melt.errors import MeltError, NotFinite
+from melt.errors import NotFinite, Unstable
 from melt.position_based import longest_step, surface_height
 from melt.systems import bubbles
 from melt.systems.liquid_heat import boost, warm
 from melt.systems.melting import search
-from melt.systems.steps import fewest
+from melt.systems.steps import count
 
 
 def settings_of(scene, liquid, top_speed, bubble_slots, vapour_slots):
@@ -190,15 +190,15 @@ def sub_steps(do, dt):
     Speeds above half a spacing in a sub-step are cut (S2).
 
     Raises:
-        MeltError: the liquid's weight (or the sound speed) asks for more than ``n_sub_max`` sub-steps.
+        Unstable: the liquid's weight (or the sound speed) asks for more than ``n_sub_max`` sub-steps.
     """
     s = do.settings
     limits = step_limits(do)
     governing = min(limits, key=limits.get)
-    n_sub = s.n_sub or fewest(dt, limits[governing])
+    n_sub = s.n_sub or count(do, dt, limits[governing])
     needed = min(s.longest_step, limits.get("viscosity", math.inf))
     if s.n_sub is None and dt / needed > s.n_sub_max * (1 + 1e-9):
-        raise MeltError(_too_many(s, dt))
+        raise Unstable(_too_many(s, dt), stage="pbf_bounds")
     if s.n_sub is None:
         n_sub = min(n_sub, s.n_sub_max)  # of the speed: it is cut
     do.note("n_sub", n_sub)

@@ -9,11 +9,12 @@ import math
 
 import numpy as np
 
-from melt.errors import MeltError, NotFinite
+from melt.errors import NotFinite, Unstable
 from melt.flood import edges, sources
 from melt.flood.limits import limit
 from melt.systems.melting import grown, sort
 from melt.systems.reads import finite
+from melt.systems.steps import count
 
 
 def start(do):
@@ -37,7 +38,7 @@ def step(do, dt):
 
 def outer_step(do, dt):
     """Settle, let water in, advance in sub-steps, take readings."""
-    if do.clock.step == 0 and do.settings.settle > 0:
+    if do.clock.time == 0 and do.settings.settle > 0:
         settle(do)
     if do.need.entry:
         enter(do, dt)  # 2
@@ -207,18 +208,19 @@ def next_step(do, dt, left):
     """Return the sub-step [s]: the rest of the outer step in the fewest equal parts that the limits allow.
 
     Raises:
-        MeltError: a column is faster than anything in the scene could be, or the limits ask for too many sub-steps.
+        Unstable: a column is faster than anything in the scene could be, or the limits ask for too many sub-steps.
     """
     s, clock = do.settings, do.clock
     longest, governing = limit(do)
     if do.recording:
         return left  # what it reads are no values
     if clock.max_speed > s.top_speed:
-        raise MeltError(
+        raise Unstable(
             f"t = {clock.time:.5g} s: a column moves at {clock.max_speed:.3g} m/s, faster than solver.top_speed = {s.top_speed:g} m/s. "
-            "Steep terrain makes shallow water fast: add a [control] section, smooth the terrain, or raise solver.top_speed"
+            "Steep terrain makes shallow water fast: add a [control] section, smooth the terrain, or raise solver.top_speed",
+            speed=s.top_speed,
         )
-    n = max(1, math.ceil(left / longest * (1 - 1e-9)))
+    n = count(do, left, longest)
     if s.n_sub:
         n = max(1, round(s.n_sub * left / dt))
         if dt / s.n_sub > longest * 0.7 / s.cfl * 1.0001:
@@ -228,9 +230,10 @@ def next_step(do, dt, left):
             )
             n = max(n, math.ceil(left / (longest * 0.7 / s.cfl) * (1 - 1e-9)))
     elif n > s.n_sub_max:
-        raise MeltError(
+        raise Unstable(
             f"time step: at t = {clock.time:.4g} s the bound '{governing}' allows sub-steps of {longest:.3g} s, {n} of them in "
-            f"what is left of dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max}: lower time.dt or raise time.n_sub_max"
+            f"what is left of dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max}: lower time.dt or raise time.n_sub_max",
+            stage="flood_bounds",
         )
     do.note("governing_bound", "given" if s.n_sub else governing)
     do.note("step_over_limit", left / n / longest)

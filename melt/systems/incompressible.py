@@ -9,10 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from melt.errors import MeltError, NotFinite
+from melt.errors import NotFinite, Unstable
 from melt.systems.steps import divide
 
 DIVERGED = 10.0  # mean density error that no liquid has
+#: The stage whose last call shows how a solve ended.
+SHOWN = {"density": "pressure_update", "divergence": "pressure_update", "poisson": "poisson_step", "viscous": "viscous_step"}
 CHECK = 4  # iterations of conjugate gradients between two looks at the residual
 
 
@@ -231,7 +233,7 @@ def tell(do, dt, failed):
 
     Raises:
         NotFinite: a residual is not a number.
-        MeltError: which solve, after how many iterations, and what may help.
+        Unstable: which solve, after how many iterations, and what may help.
     """
     if not failed:
         return
@@ -243,9 +245,10 @@ def tell(do, dt, failed):
         tally(do, "unconverged", 1)
         do.warning = f"{text}. Fix: a shorter time.dt, or more iterations (solver.dfsph.max_iterations, viscosity.max_iterations)"
         return
-    raise MeltError(
+    raise Unstable(
         f"{text}. The frames before are kept. Lower time.dt, raise solver.dfsph.max_iterations, poisson_iterations or "
-        "viscosity.max_iterations, loosen the tolerance, or set solver.dfsph.on_fail = 'warn' to mark such frames and go on"
+        "viscosity.max_iterations, loosen the tolerance, or set solver.dfsph.on_fail = 'warn' to mark such frames and go on",
+        stage=SHOWN[failed[0].name],
     )
 
 
@@ -279,4 +282,4 @@ def sub_steps(do, dt):
     remedy = "set a coarser domain.spacing"
     if not do.need.semi_lagrangian:
         remedy = "set solver.dfsph.semi_lagrangian = true, which lets longer steps of viscous liquids through"
-    return divide(do, dt, step_limits(do), f"largest speed {largest_speed(do):.3g} m/s", remedy)
+    return divide(do, dt, step_limits(do), f"largest speed {largest_speed(do):.3g} m/s", remedy, "slime_bounds")

@@ -262,7 +262,7 @@ def sub_steps(do, dt):
     if do.need.incompressible:
         return incompressible.sub_steps(do, dt)
     speeds = f"largest speed {do.clock.max_speed:.3g} m/s, sound speed {do.settings.sound_speed:.3g} m/s"
-    return divide(do, dt, step_limits(do), speeds, "lower fluid.sound_speed")
+    return divide(do, dt, step_limits(do), speeds, "lower fluid.sound_speed", "motion_bounds")
 
 
 def keep_bounds(do):
