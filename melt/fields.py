@@ -117,6 +117,7 @@ _TABLE = [
     _f("candidate", "particle", "int", "1", "", "1 for a liquid particle that boils in this step"),
     _f("birth_index", "particle", "int", "1", "", "slots of the candidates, by ascending id"),
     _f("birth_count", "1", "int", "1", "", "number of them"),
+    _f("boiled_sums", "3 reduction", "double", "kg, J, J", "heat", "mass, m (c_p T + latent store) and heat of fusion of the particles that boil"),
     _f("birth_excess", "reduction", "double", "J", "heat", "heat above the latent heat that boiled particles held"),
     _f("list_scratch", "particle", "int", "1", "", "scratch of sorting a list by id"),
     # boiling: bubbles

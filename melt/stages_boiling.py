@@ -61,6 +61,8 @@ LIST = [
            "velocity_next", SUM),
     # ---- boiling: birth of bubbles
     stage("boil_candidates", "bubble_birth", "boiling 3", "id phase temperature latent_store", "boiling step_low step_high", "candidate", EXACT),
+    stage("boiled_sums", "bubble_birth", "boiling 3 (ledger)", "birth_index mass temperature latent_store latent_energy", "boiling served",
+           "boiled_sums", SUM),
     # one particle becomes four bubbles in slots of their own: all their fields
     stage("spawn_bubbles", "bubble_birth", "boiling 3", "birth_index free_index",
            "boiling bubbles step_low step_high first_id served",
@@ -83,6 +85,8 @@ LIST = [
            partial=True),
     stage("bubble_shift", "bubble_motion", "boiling (13)", "bubble_index bubble_count bubble_radius bubble_shift", "bubbles", "position", FEW,
            partial=True),
+    stage("bubble_avoid", "bubble_motion", "boiling 2.5", f"position phase bubble_index bubble_count bubble_radius {NEAR}", "bubbles",
+           "position", FEW, partial=True),
     stage("bubble_growth", "bubble_growth", "boiling 2.5", "position bubble_index bubble_count bubble_volume birth_height", "bubbles dt",
            "age bubble_radius rest_volume", FEW, partial=True),
     stage("largest_bubble", "bubble_growth", "boiling 2.5", "phase bubble_radius", "", "largest_bubble", COPY),
