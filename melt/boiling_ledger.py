@@ -45,6 +45,8 @@ SERIES = {
     "merge_z": ("kg m/s", ""),
 }
 
+TAKEN = ("boiled_mass", "boiled_heat")  # booked where particles differ in what they take along
+
 
 def series(do, start):
     """Return the values of `SERIES`; ``start`` holds ``liquids`` (number at the start)."""
@@ -59,7 +61,7 @@ def series(do, start):
     particle = settings.particle_mass
     cargo = int(get["cargo"][bubble].sum())
     kept = settings.boiling.mass_model == "nucleate"
-    values = {name: ledger[name] for name in SERIES if name in ledger}
+    values = {name: ledger[name] for name in SERIES if name in ledger and (do.need.heat or name not in TAKEN)}
     height = get["position"][2, liquid].astype(np.float64) - float(do.params["bubbles"].floor)
     values |= {
         "bubbles": int(bubble.sum()),

@@ -16,6 +16,10 @@ LIST = [
     stage("pbf_correction", "pbf", "boiling (6)",
            f"position volume mobility support_radius iterations multiplier kernel_scale {NEAR} active_index active_count",
            "pbf iteration", "correction", STIFF, partial=True),
+    # the solve and contact at once: both partners, lists, and which body a particle is of
+    stage("solid_correction", "pbf_solid", "boiling (6), Newton 3; melting 3.3",
+           f"position phase mass volume multiplier support_radius kernel_scale site site_component {NEAR} solid_index solid_count", "pbf",
+           "correction", STIFF, partial=True),
     stage("pbf_move", "pbf_motion", "boiling S4c", "correction active_index active_count position", "pbf vessel", "position", FEW, partial=True),
     # ---- position based fluid: velocities
     stage("pbf_velocity", "pbf_motion", "boiling S5", "position position_predicted phase velocity", "dt", "velocity", FEW, partial=True),

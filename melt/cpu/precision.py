@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from melt._compile import cpu_serial, cpu_stage, prange
-from melt.physics.phases import LIQUID, SOLID
+from melt.physics.phases import LIQUID
 from melt.physics.precision import iterations_of, target_precision
 from melt.physics.search import axis_cell
 
@@ -62,7 +62,7 @@ def iteration_key(phase, iterations, neighbour_count, neighbour_index, pbf, iter
     """See `melt.reference.precision.iteration_key`."""
     for i in prange(phase.shape[0]):
         key = np.int32(0)
-        if phase[i] <= SOLID and pbf.same_iterations == 1:
+        if phase[i] == LIQUID and pbf.same_iterations == 1:
             key = pbf.iterations
         elif phase[i] == LIQUID:
             key = iterations[i]

@@ -4,7 +4,7 @@ import numpy as np
 
 from melt._compile import cuda, cuda_kernel
 from melt.physics.pbf import support_of
-from melt.physics.phases import BUBBLE, SOLID
+from melt.physics.phases import BUBBLE, LIQUID
 from melt.physics.philox import pair_direction
 from melt.physics.search import squared_distance
 
@@ -16,7 +16,7 @@ def _pbf_begin(phase, mass, rest_volume, volume, mobility, constraint, multiplie
         return
     real = mass.dtype.type
     volume[i] = rest_volume[i] if phase[i] <= BUBBLE else real(0)
-    mobility[i] = real(1) / mass[i] if phase[i] <= SOLID else real(0)
+    mobility[i] = real(1) / mass[i] if phase[i] == LIQUID else real(0)
     constraint[i] = multiplier[i] = real(0)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from melt._compile import cuda, cuda_kernel
 from melt.cuda._scan import CHUNK, _scan_sums, chunks
-from melt.physics.phases import LIQUID, SOLID
+from melt.physics.phases import LIQUID
 from melt.physics.precision import iterations_of, target_precision
 from melt.physics.search import axis_cell
 
@@ -91,7 +91,7 @@ def _iteration_key(phase, iterations, neighbour_count, neighbour_index, pbf, ite
     if i >= phase.shape[0]:
         return
     key = np.int32(0)
-    if phase[i] <= SOLID and pbf.same_iterations == 1:
+    if phase[i] == LIQUID and pbf.same_iterations == 1:
         key = pbf.iterations
     elif phase[i] == LIQUID:
         key = iterations[i]

@@ -10,12 +10,12 @@ def pbf_begin(phase, mass, rest_volume, volume, mobility, constraint, multiplier
     """Write volume and inverse mass by which particles enter the solve, and clear its unknowns.
 
     Reads: phase (n,), mass (n,) [kg], rest_volume (n,) [m^3].
-    Writes: volume (n,) [m^3], 0 for vapour and inactive; mobility (n,) [1/kg], 0 for all but liquid and solids;
+    Writes: volume (n,) [m^3], 0 for vapour and inactive; mobility (n,) [1/kg], 0 for others than liquid;
         constraint (n,) and multiplier (n,), all 0.
     """
     volume[:] = np.where(phase <= 3, rest_volume, 0.0)
-    free = phase <= 1
-    mobility[:] = np.where(free, 1 / np.where(free, mass.astype(np.float64), 1.0), 0.0)
+    liquid = phase == 0
+    mobility[:] = np.where(liquid, 1 / np.where(liquid, mass.astype(np.float64), 1.0), 0.0)
     constraint[:] = 0
     multiplier[:] = 0
 

@@ -66,15 +66,13 @@ def effect_precision(
 def iteration_key(phase, iterations, neighbour_count, neighbour_index, pbf, iteration_key):
     """Write the largest number of iterations of each liquid particle and its neighbours; 0 for others.
 
-    Solids have the full number; there are none where numbers differ.
-
     Reads: phase (n,), iterations (n,) (effect precision only), neighbour lists. Writes: iteration_key (n,).
     """
     for i in range(phase.shape[0]):
-        if phase[i] <= 1 and pbf.same_iterations == 1:
-            iteration_key[i] = pbf.iterations
-        elif phase[i] != 0:
+        if phase[i] != 0:
             iteration_key[i] = 0
+        elif pbf.same_iterations == 1:
+            iteration_key[i] = pbf.iterations
         else:
             iteration_key[i] = max(iterations[i], iterations[neighbour_index[i, : neighbour_count[i]]].max(initial=0))
 

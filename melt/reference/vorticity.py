@@ -5,7 +5,8 @@ r"""Velocity filters of the position based fluid: vorticity confinement and XSPH
     v_i &\mathrel{+}= dt\, \epsilon_v \frac{\eta_i}{|\eta_i| + 10^{-9}/(R\,dt)} \times \omega_i \\
     v_i &\mathrel{+}= c \sum_j \frac{2 m_j}{m_i + m_j} \frac{V_i + V_j}{2} W^{poly6}_{ij} (v_j - v_i), \quad c = \min(0.5, \gamma\, dt)
 
-with i and j liquid; in XSPH one of them may be solid: water takes ice along, and ice water. XSPH takes the plain poly6: it is a filter, whose strength gamma sets.
+with i and j liquid; in XSPH one of them may be solid: water takes ice along, and ice water. XSPH takes the plain poly6: it is a
+filter, whose strength gamma sets.
 """
 
 import numpy as np

@@ -3,8 +3,8 @@
 A sub-step predicts positions under gravity, corrects them until the density of the liquid is that of rest
 (position based fluid), and takes the velocities from where the particles went; or it takes the pressure of
 weakly compressible SPH instead. Positions, velocities and temperatures all live at t^n. Heat is in
-`melt.systems.liquid_heat`, bubbles and vapour in `melt.systems.bubbles`. Solids take part in the solve as liquid does, with
-their own masses and volumes, then shape matching puts their particles where their bodies have them (ADR 20).
+`melt.systems.liquid_heat`, bubbles and vapour in `melt.systems.bubbles`. In the solve solids are walls that take the opposite of
+each push; then shape matching puts their particles where their bodies have them (ADR 20).
 """
 
 import math
@@ -13,6 +13,7 @@ import numpy as np
 
 from melt.boiling import gravity_of, sph_sound_speed
 from melt.errors import MeltError, NotFinite
+from melt.physics.phases import SOLID
 from melt.position_based import longest_step, surface_height
 from melt.systems import bubbles
 from melt.systems.heat import start_heat
@@ -118,6 +119,8 @@ def lists(do):
     search(do)
     if bubbles.present(do):
         bubbles.listed(do)
+    if do.need.solids:
+        do.list_slots(flag="phase", key=SOLID, index="solid_index", count="solid_count")
     do.pbf_begin()
     if do.need.short_lists:
         do.pbf_list()
@@ -134,6 +137,9 @@ def solve(do):
             do.active_list(iteration=k)
         do.pbf_lambda()  # eqs (1), (4), (5)
         do.pbf_correction(iteration=k)  # eq (6)
+        if do.need.solids:
+            do.solid_correction()
+            do.pbf_move(active_index="solid_index", active_count="solid_count")
         do.pbf_move()
         if bubbles.present(do) and do.clock.largest_bubble > do.settings.spacing:
             do.bubble_exclude()

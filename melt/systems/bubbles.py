@@ -17,7 +17,8 @@ from melt.systems.reads import finite, largest, total
 #: Counters since the start, kept by checkpoints: particles boiled, bubbles gone, quarters of liquid let go, heat [J].
 LEDGER = {
     "boiled": 0, "merged": 0, "vanished": 0, "burst": 0, "released_quarters": 0, "deferred": 0, "vapour": 0,
-    "vapour_dropped": 0, "condensed": 0, "condensed_heat": 0.0, "heat_in": 0.0, "heat_lost": 0.0, "boiled_mass": 0.0, "boiled_heat": 0.0, "excess_heat": 0.0, "start_heat": 0.0,
+    "vapour_dropped": 0, "condensed": 0, "condensed_heat": 0.0, "heat_in": 0.0, "heat_lost": 0.0,
+    "boiled_mass": 0.0, "boiled_heat": 0.0, "excess_heat": 0.0, "start_heat": 0.0,
     "push_x": 0.0, "push_y": 0.0, "push_z": 0.0, "merge_x": 0.0, "merge_y": 0.0, "merge_z": 0.0,
 }
 BURST = 2  # of bubble_fate
