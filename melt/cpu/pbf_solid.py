@@ -33,7 +33,7 @@ def solid_correction(
             r2 = x * x + y * y + z * z
             f = real(0)
             if phase[j] == LIQUID:  # as the liquid sees the solid: a wall
-                inverse, value, gradient = pair_scales(i, j, support_radius, kernel_scale, pbf)
+                inverse, value, gradient = pair_scales(j, i, support_radius, kernel_scale, pbf)
                 f = scale * correction_factor(r2, inverse, gradient, volume[j], multiplier[j], V_i, real(0), real(0), pbf)
             elif phase[j] == WALL or (phase[j] == SOLID and site_component[np.uint64(site[j])] != body):
                 r = math.sqrt(r2)
