@@ -26,7 +26,7 @@ def solids(x, phase, precision, component, **fields):
 def test_a_solid_gets_the_opposite_of_what_it_does_to_the_liquid(backend, precision):
     rng = np.random.default_rng(3)
     phase = np.repeat([LIQUID, SOLID], [20, 6])
-    x = rng.uniform(0, 3 * D, (26, 3))
+    x = rng.uniform(0, 2 * D, (26, 3))
     mass = MASS * np.where(phase == SOLID, 0.917, rng.uniform(0.9, 1.1, 26))
     a = solids(x, phase, precision, [0] * 6, mass=mass, mobility=np.where(phase == LIQUID, 1 / mass, 0.0))
     pbf = pbf_tuple(push=0.1 / d0(2.2), real=a["mass"].dtype.type)
