@@ -165,8 +165,6 @@ def check_boiling(scene):
     """
     if scene.solver.pressure == "wcsph":
         raise ValueError("[boiling] needs solver.pressure = pbf (position based fluid) or sph (the paper's baseline)")
-    if scene.heat is not None and not scene.solid:
-        raise ValueError("[boiling] has its own heat of the liquid: remove [heat] (it is for solids that melt), or add a [[solid]]")
     if scene.heat is not None:
         _one_specific_heat(scene)
     if not scene.solver.motion:

@@ -12,7 +12,7 @@ def check_pbf(scene):
     s, f = scene.solver, scene.fluid
     missing = {
         "solids ([[solid]]; in pbf there may be some)": bool(scene.solid) and s.pressure == "sph",
-        "heat ([heat] is for solids that melt; a liquid that is heated: [boiling])": scene.heat is not None and not scene.solid,
+        "heat ([heat]; it is for solids that melt, a liquid that is heated: [boiling])": scene.heat is not None and not scene.solid,
         "inflow ([[inflow]])": bool(scene.inflow),
         "fluid.viscosity = laminar": f.viscosity == "laminar" and f.mu > 0,
         "fluid.drag": f.drag > 0,
