@@ -12,7 +12,7 @@ from melt.errors import SceneError
 from melt.scene.flood import FloodScene
 from melt.scene.messages import explain
 from melt.scene.model import Scene
-from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, OPTIONAL_SECTIONS, PRESETS, SLIME_PRESETS
+from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, KETTLE_PRESETS, OPTIONAL_SECTIONS, PRESETS, SLIME_PRESETS
 from melt.scene.slime import INCOMPRESSIBLE
 
 
@@ -131,7 +131,7 @@ def _presets_of(data):
     if "terrain" in data:
         return FLOOD_PRESETS
     if "boiling" in data:
-        return BOILING_PRESETS
+        return KETTLE_PRESETS if "heat" in data else BOILING_PRESETS
     incompressible = isinstance(solver, dict) and solver.get("pressure") in INCOMPRESSIBLE
     return SLIME_PRESETS if incompressible else PRESETS
 
