@@ -41,6 +41,7 @@ def test_ice_melts_water_boils_and_no_mass_or_heat_is_missing():
     assert abs(s["heat_missing"]) < 1e-12 * s["heat_in"]
     assert abs(s["mass_created"]) < 1e-12 * s["mass"]
     assert s["quarters_missing"] == 0 and s["lost_particles"] == 0
+    assert "density" not in boiled().frame() and "latent_energy" in boiled().frame()
     assert s["boiled_heat"] > s["boiled_mass"] * 4187 * 99
 
 
