@@ -64,7 +64,9 @@ def _heat(scene):
     b, d = scene.boiling, scene.spacing
     alpha = diffusivity_of(scene)
     times = f"{alpha / WATER_DIFFUSIVITY:,.3g} times as fast as in water"
-    found = [("note", f"boiling: heat conducts with {alpha:.3g} m^2/s, {times} (boiling.diffusivity)", "")]
+    found = []
+    if scene.heat is None:  # else [heat] says how it conducts
+        found.append(("note", f"boiling: heat conducts with {alpha:.3g} m^2/s, {times} (boiling.diffusivity)", ""))
     if b.latent_scale == 0 or b.heat_model == "grid":
         why = "boiling.latent_scale = 0" if b.latent_scale == 0 else "boiling.heat_model = grid has no latent heat"
         found.append(("note", f"boiling is free of charge ({why}): liquid at the boiling point vaporises without any heat", ""))

@@ -99,7 +99,10 @@ def series(do, start):
         values.update(_thermal(wide, mobile, _melting_points(state, phase, f["material"])[mobile]))
     if do.need.boiling:
         values.update(boiling_ledger.series(do, start))
-        values["mass_created"] = do.settings.particle_mass / 4 * values["quarters_missing"]
+        if do.need.solids:  # melt may be lighter than the ambient liquid
+            values["mass_created"] = values["mass"] + values["boiled_mass"] - start["mass"]
+        else:
+            values["mass_created"] = do.settings.particle_mass / 4 * values["quarters_missing"]
         values["mass_deleted"] = 0.0  # inactive slots were bubbles or vapour
         values["lost_particles"] = outside(x, do.params["domain"])
     for name, counted in _COUNTED.items():

@@ -97,6 +97,8 @@ _TABLE = [
     _f("iteration_key", "particle", "int", "1", "", "largest J of a liquid particle and its neighbours; 0 for others"),
     _f("active_index", "particle", "int", "1", "", "particles whose key exceeds the iteration, ascending"),
     _f("active_count", "1", "int", "1", "", "number of them"),
+    _f("solid_index", "particle", "int", "1", "", "particles of solids, ascending"),
+    _f("solid_count", "1", "int", "1", "", "number of them"),
     _f("kernel_scale", "2 table", "real", "1", "one", "315/(64 pi S) and 45/(pi G) over the support radius"),
     _f("height_bins", "bin", "int", "1", "", "liquid particles by height above the floor, in quarters of a spacing"),
     _f("pbf_bounds", "2 reduction", "real", "m/s, 1", "speed", "largest speed and density constraint of liquid particles"),
@@ -117,6 +119,7 @@ _TABLE = [
     _f("candidate", "particle", "int", "1", "", "1 for a liquid particle that boils in this step"),
     _f("birth_index", "particle", "int", "1", "", "slots of the candidates, by ascending id"),
     _f("birth_count", "1", "int", "1", "", "number of them"),
+    _f("boiled_sums", "3 reduction", "double", "kg, J, J", "heat", "mass, m (c_p T + latent store) and heat of fusion of the particles that boil"),
     _f("birth_excess", "reduction", "double", "J", "heat", "heat above the latent heat that boiled particles held"),
     _f("list_scratch", "particle", "int", "1", "", "scratch of sorting a list by id"),
     # boiling: bubbles

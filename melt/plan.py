@@ -114,7 +114,7 @@ def needs(scene, initial):
         surface_tension=fluid.surface_tension > 0,
         xsph=fluid.xsph > 0,
         guard=solver.guard and matter and wcsph,
-        contact=solver.contact and solids,
+        contact=solver.contact and solids and not pbf,
         domain=scene.domain.leave == "delete",
     )
 
@@ -142,7 +142,7 @@ def settings_of(scene, initial, sound_speed, precision):
     density = initial["mass"][solid] / initial["rest_volume"][solid] if solid.any() else np.array([f.density])
     chosen = SimpleNamespace(
         neighbours=s.neighbours,
-        solid_volume=s.solid_volume,
+        solid_volume=s.solid_volume if s.pressure != "pbf" else "own",  # there solids have the volume of their place
         rigid=s.baseline == "rigid",
         lattice_damping=s.damping,
         leap_frog=s.integration,

@@ -148,7 +148,9 @@ class Simulation:
         output = self.scene.output
         phases = [LIQUID, SOLID, BUBBLE, VAPOUR, AIRBORNE, DRIVEN] + ([WALL] if output.walls else [])
         keep = np.isin(self.read("phase"), phases)
-        names = [n for n in self.prepared.fields if n in OUTPUT_FIELDS]
+        # a position based fluid sums no density: with solids stages are handed one, which does not travel with the particles
+        unsummed = {"density"} if getattr(self.prepared.need, "pbf", False) else set()
+        names = [n for n in self.prepared.fields if n in OUTPUT_FIELDS and n not in unsummed]
         if output.fields != "all":
             names = [n for n in names if n in (*output.fields, "id", "phase", "position")]
         return {n: owned(n, self.read(n), self.read("phase"))[keep] for n in names}

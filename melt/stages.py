@@ -155,6 +155,7 @@ _LIST = [
     # ---- motion: line 14
     stage("kick", "motion", "melting 2.6", "phase mass force velocity", "dt", "velocity", FEW, partial=True),
     stage("goal_kick", "motion", "melting 2.6", "site_particle goal velocity", "lattice dt", "velocity", FEW, partial=True),
+    stage("goal_move", "motion", "melting 2.7", "site_particle goal position", "lattice", "position", FEW, partial=True),
     stage("drift", "motion", "melting 2.6", "phase velocity position", "dt", "position", FEW, partial=True),
     stage("guard_offenders", "guard", "melting 2.4", f"position phase {NEAR}", "guard", "offenders", EXACT),
     stage("guard_correction", "guard", "melting 2.4", f"position velocity phase mass offenders {NEAR}", "guard",

@@ -16,6 +16,10 @@ LIST = [
     stage("pbf_correction", "pbf", "boiling (6)",
            f"position volume mobility support_radius iterations multiplier kernel_scale {NEAR} active_index active_count",
            "pbf iteration", "correction", STIFF, partial=True),
+    # the solve and contact at once: both partners, lists, and which body a particle is of
+    stage("solid_correction", "pbf_solid", "boiling (6), Newton 3; melting 3.3",
+           f"position phase mass volume multiplier support_radius kernel_scale site site_component {NEAR} solid_index solid_count", "pbf",
+           "correction", STIFF, partial=True),
     stage("pbf_move", "pbf_motion", "boiling S4c", "correction active_index active_count position", "pbf vessel", "position", FEW, partial=True),
     # ---- position based fluid: velocities
     stage("pbf_velocity", "pbf_motion", "boiling S5", "position position_predicted phase velocity", "dt", "velocity", FEW, partial=True),
@@ -61,6 +65,8 @@ LIST = [
            "velocity_next", SUM),
     # ---- boiling: birth of bubbles
     stage("boil_candidates", "bubble_birth", "boiling 3", "id phase temperature latent_store", "boiling step_low step_high", "candidate", EXACT),
+    stage("boiled_sums", "bubble_birth", "boiling 3 (ledger)", "birth_index mass temperature latent_store latent_energy", "boiling served",
+           "boiled_sums", SUM),
     # one particle becomes four bubbles in slots of their own: all their fields
     stage("spawn_bubbles", "bubble_birth", "boiling 3", "birth_index free_index",
            "boiling bubbles step_low step_high first_id served",
@@ -83,6 +89,8 @@ LIST = [
            partial=True),
     stage("bubble_shift", "bubble_motion", "boiling (13)", "bubble_index bubble_count bubble_radius bubble_shift", "bubbles", "position", FEW,
            partial=True),
+    stage("bubble_avoid", "bubble_motion", "boiling 2.5", f"position phase bubble_index bubble_count bubble_radius {NEAR}", "bubbles",
+           "position", FEW, partial=True),
     stage("bubble_growth", "bubble_growth", "boiling 2.5", "position bubble_index bubble_count bubble_volume birth_height", "bubbles dt",
            "age bubble_radius rest_volume", FEW, partial=True),
     stage("largest_bubble", "bubble_growth", "boiling 2.5", "phase bubble_radius", "", "largest_bubble", COPY),

@@ -183,6 +183,7 @@ EXTRA = {
     "list_slots": [{"key": 5}, {"key": 0}],
     "order_by_id": [{"n": 1200}],  # more than one run
     "spawn_bubbles": [{"n": 1200, "served": 7}],
+    "boiled_sums": [{"n": 1200, "served": 7}],
     "vapour_source": [{"n": 1200, "served": 9}],
     "condense": [{"n": 1200, "served": 9}],
     **{name: [{"bubbles": True}] for name in ("pbf_begin", "pbf_list", "pbf_lambda", "pbf_correction", "pbf_xsph", "iteration_key")},
@@ -197,10 +198,10 @@ EXTRA = {
 }
 
 #: Particles that the variants of a stage need at least: one that boils needs four free slots.
-LEAST = {"spawn_bubbles": 301}
+LEAST = {"spawn_bubbles": 301, "boiled_sums": 301}
 
 #: What stages need besides when there is no particle, or one.
 SMALL = {
-    **{name: {"served": 0} for name in ("spawn_bubbles", "vapour_source", "condense")},
+    **{name: {"served": 0} for name in ("spawn_bubbles", "boiled_sums", "vapour_source", "condense")},
     **{name: {"count": 0, "slot": 0} for name in ("emit_motion", "emit_matter", "enter", "emit_apic")},
 }

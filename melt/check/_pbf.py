@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from melt.check._cloud import INACTIVE, LIQUID, SPACING, SUPPORT, WALL
+from melt.check._cloud import INACTIVE, LIQUID, SOLID, SPACING, SUPPORT, WALL
 
 POINTS, START = 65, 1.5
 D0 = 0.37 / (1000 * SPACING**5)  # about that of a particle inside
@@ -63,6 +63,8 @@ def fields(arrays, rng):
     on = np.flatnonzero(key > 2)
     index = np.full(n, -987654321)
     index[: len(on)] = on
+    solids = np.full(n, -987654321)
+    solids[: (phase == SOLID).sum()] = np.flatnonzero(phase == SOLID)
     mass = np.where(liquid, arrays["mass"], 1.0)
     return dict(
         position_predicted=arrays["position"] + 0.01 * SPACING * rng.normal(size=(3, n)),
@@ -77,6 +79,8 @@ def fields(arrays, rng):
         iteration_key=np.where(phase == INACTIVE, 0, np.where(phase == WALL, 0, key * liquid)),
         active_index=index,
         active_count=np.array([len(on)]),
+        solid_index=solids,
+        solid_count=np.array([(phase == SOLID).sum()]),
         kernel_scale=np.array(
             [[c / s for c, s in zip((315 / (64 * np.pi), 45 / np.pi), _sums(q))]
              for q in np.linspace(START, SUPPORT / SPACING, POINTS)]

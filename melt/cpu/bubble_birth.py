@@ -22,6 +22,23 @@ def boil_candidates(id, phase, temperature, latent_store, boiling, step_low, ste
 
 
 @cpu_stage
+def boiled_sums(birth_index, mass, temperature, latent_store, latent_energy, boiling, served, boiled_sums):
+    """See `melt.reference.bubble_birth.boiled_sums`."""
+    pieces = boiled_sums.shape[1]
+    c_p = np.float64(boiling.specific_heat)
+    fusion = latent_energy.shape[0] > 0
+    for p in prange(pieces):
+        M = H = L = np.float64(0)
+        for a in range(p * served // pieces, (p + 1) * served // pieces):
+            i = np.uint64(birth_index[a])
+            m = np.float64(mass[i])
+            M += m
+            H += m * (c_p * np.float64(temperature[i]) + np.float64(latent_store[i]))
+            L += np.float64(latent_energy[i]) if fusion else np.float64(0)
+        boiled_sums[0, p], boiled_sums[1, p], boiled_sums[2, p] = M, H, L
+
+
+@cpu_stage
 def spawn_bubbles(
     birth_index, free_index, boiling, bubbles, step_low, step_high, first_id, served,
     phase, id, position, velocity, mass, rest_volume, temperature, latent_store,

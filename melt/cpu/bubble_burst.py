@@ -6,7 +6,7 @@ import numpy as np
 
 from melt._compile import cpu_serial, cpu_stage, prange
 from melt.physics.bubble_life import column_of, height_steps, steps_height
-from melt.physics.phases import INACTIVE, LIQUID
+from melt.physics.phases import INACTIVE, LIQUID, SOLID
 from melt.physics.search import squared_distance
 
 
@@ -16,7 +16,7 @@ def surface_column(position, phase, grid, bubbles, surface_column):
     for c in range(surface_column.shape[0]):
         surface_column[c] = -1
     for i in range(phase.shape[0]):
-        if phase[i] == LIQUID:
+        if phase[i] <= SOLID:
             c = column_of(position[0, i], position[1, i], grid)
             surface_column[c] = max(surface_column[c], height_steps(position[2, i], bubbles.floor, bubbles.spacing))
 

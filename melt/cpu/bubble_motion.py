@@ -7,7 +7,7 @@ import numpy as np
 from melt._compile import cpu_stage, prange
 from melt.physics.bubbles import drag_loss, inside, sphere_volume, too_wide
 from melt.physics.pbf import poly6, support_of
-from melt.physics.phases import BUBBLE, LIQUID
+from melt.physics.phases import BUBBLE, LIQUID, SOLID
 
 
 @cpu_stage
@@ -194,3 +194,35 @@ def bubble_shift(bubble_index, bubble_count, bubble_radius, bubble_shift, bubble
         y = position[1, b] + wide(bubble_shift[1, b])
         position[0, b] = inside(x, wide(bubbles.lower_x), wide(bubbles.upper_x), r)
         position[1, b] = inside(y, wide(bubbles.lower_y), wide(bubbles.upper_y), r)
+
+
+@cpu_stage
+def bubble_avoid(phase, bubble_index, bubble_count, bubble_radius, neighbour_count, neighbour_index, bubbles, position):
+    """See `melt.reference.bubble_motion.bubble_avoid`."""
+    real = type(bubbles.spacing)
+    wide = position.dtype.type
+    for a in prange(bubble_count[0]):
+        b = np.uint64(bubble_index[a])
+        reach = bubble_radius[b] + real(0.5) * bubbles.spacing
+        dx = dy = dz = wide(0)
+        touching = real(0)
+        for k in range(np.uint64(neighbour_count[b])):
+            j = np.uint64(neighbour_index[b, k])
+            if phase[j] != SOLID:
+                continue
+            x = real(position[0, b] - position[0, j])
+            y = real(position[1, b] - position[1, j])
+            z = real(position[2, b] - position[2, j])
+            r = math.sqrt(x * x + y * y + z * z)
+            if r < reach and r > real(1e-9) * bubbles.spacing:
+                f = reach / r - real(1)
+                dx += f * x
+                dy += f * y
+                dz += f * z
+                touching += real(1)
+        if touching > real(0):
+            share = wide(real(1) / touching)
+            r = wide(bubble_radius[b])
+            position[0, b] = inside(position[0, b] + share * dx, wide(bubbles.lower_x), wide(bubbles.upper_x), r)
+            position[1, b] = inside(position[1, b] + share * dy, wide(bubbles.lower_y), wide(bubbles.upper_y), r)
+            position[2, b] = inside(position[2, b] + share * dz, wide(bubbles.lower_z), wide(bubbles.upper_z), r)

@@ -32,6 +32,18 @@ def goal_kick(site_particle, goal, lattice, dt, velocity):
 
 
 @cpu_stage
+def goal_move(site_particle, goal, lattice, position):
+    """See `melt.reference.motion.goal_move`."""
+    wide = position.dtype.type
+    for s in prange(site_particle.shape[0]):
+        if site_particle[s] >= 0:
+            i = np.uint64(site_particle[s])
+            position[0, i] += wide(lattice.stiffness * goal[0, s])
+            position[1, i] += wide(lattice.stiffness * goal[1, s])
+            position[2, i] += wide(lattice.stiffness * goal[2, s])
+
+
+@cpu_stage
 def drift(phase, velocity, dt, position):
     """See `melt.reference.motion.drift`."""
     wide = position.dtype.type

@@ -6,7 +6,7 @@ import numpy as np
 
 from melt._compile import cpu_stage, prange
 from melt.physics.pbf import cut
-from melt.physics.phases import LIQUID
+from melt.physics.phases import SOLID
 
 
 @cpu_stage
@@ -18,7 +18,7 @@ def pbf_predict(phase, fluid, pbf, vessel, dt, velocity, position, position_pred
     for i in prange(phase.shape[0]):
         x, y, z = position[0, i], position[1, i], position[2, i]
         position_predicted[0, i], position_predicted[1, i], position_predicted[2, i] = x, y, z
-        if phase[i] != LIQUID:
+        if phase[i] > SOLID:
             continue
         u = velocity[0, i] + dt * fluid.gravity_x
         v = velocity[1, i] + dt * fluid.gravity_y
@@ -57,7 +57,7 @@ def pbf_velocity(position, position_predicted, phase, dt, velocity):
     real = type(dt)
     per_dt = real(1) / dt
     for i in prange(phase.shape[0]):
-        if phase[i] == LIQUID:
+        if phase[i] <= SOLID:
             velocity[0, i] += per_dt * real(position[0, i] - position_predicted[0, i])
             velocity[1, i] += per_dt * real(position[1, i] - position_predicted[1, i])
             velocity[2, i] += per_dt * real(position[2, i] - position_predicted[2, i])
@@ -71,7 +71,7 @@ def pbf_bounds(phase, velocity, constraint, pbf_bounds):
     for p in prange(pieces):
         speed2 = error = real(0)
         for i in range(p * n // pieces, (p + 1) * n // pieces):
-            if phase[i] == LIQUID:
+            if phase[i] <= SOLID:
                 u, v, w, C = velocity[0, i], velocity[1, i], velocity[2, i], constraint[i]
                 s2 = u * u + v * v + w * w
                 # a NaN would lose every comparison that follows; infinity wins them

@@ -30,6 +30,31 @@ def boil_candidates(id, phase, temperature, latent_store, boiling, step_low, ste
 
 
 @cuda_kernel
+def _boiled_sums(birth_index, mass, temperature, latent_store, latent_energy, boiling, served, boiled_sums):
+    p = cuda.grid(1)
+    pieces = boiled_sums.shape[1]
+    if p >= pieces:
+        return
+    c_p = np.float64(boiling.specific_heat)
+    fusion = latent_energy.shape[0] > 0
+    M = H = L = np.float64(0)
+    for a in range(p * served // pieces, (p + 1) * served // pieces):
+        i = birth_index[a]
+        m = np.float64(mass[i])
+        M += m
+        H += m * (c_p * np.float64(temperature[i]) + np.float64(latent_store[i]))
+        L += np.float64(latent_energy[i]) if fusion else np.float64(0)
+    boiled_sums[0, p], boiled_sums[1, p], boiled_sums[2, p] = M, H, L
+
+
+def boiled_sums(birth_index, mass, temperature, latent_store, latent_energy, boiling, served, boiled_sums):
+    """See `melt.reference.bubble_birth.boiled_sums`."""
+    _boiled_sums.launch(
+        boiled_sums.shape[1], birth_index, mass, temperature, latent_store, latent_energy, boiling, served, boiled_sums
+    )
+
+
+@cuda_kernel
 def _birth_excess(birth_index, boiling, served, mass, temperature, latent_store, birth_excess):
     p = cuda.grid(1)
     pieces = birth_excess.shape[0]

@@ -4,7 +4,7 @@ import math
 
 from melt._compile import cuda, cuda_kernel
 from melt.physics.bubble_life import column_of, height_steps, steps_height
-from melt.physics.phases import INACTIVE, LIQUID
+from melt.physics.phases import INACTIVE, LIQUID, SOLID
 from melt.physics.search import squared_distance
 
 
@@ -18,7 +18,7 @@ def _no_surface(surface_column):
 @cuda_kernel
 def _surface_column(position, phase, grid, bubbles, surface_column):
     i = cuda.grid(1)
-    if i < phase.shape[0] and phase[i] == LIQUID:
+    if i < phase.shape[0] and phase[i] <= SOLID:
         c = column_of(position[0, i], position[1, i], grid)
         # integers: any order gives the same
         cuda.atomic.max(surface_column, c, height_steps(position[2, i], bubbles.floor, bubbles.spacing))

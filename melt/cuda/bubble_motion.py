@@ -7,7 +7,7 @@ import numpy as np
 from melt._compile import cuda, cuda_kernel
 from melt.physics.bubbles import drag_loss, inside, sphere_volume, too_wide
 from melt.physics.pbf import poly6, support_of
-from melt.physics.phases import BUBBLE, LIQUID
+from melt.physics.phases import BUBBLE, LIQUID, SOLID
 
 
 @cuda_kernel
@@ -245,4 +245,45 @@ def bubble_shift(bubble_index, bubble_count, bubble_radius, bubble_shift, bubble
     """See `melt.reference.bubble_motion.bubble_shift`."""
     _bubble_shift.launch(
         bubble_index.shape[0], bubble_index, bubble_count, bubble_radius, bubble_shift, bubbles, position,
+    )
+
+
+@cuda_kernel
+def _bubble_avoid(phase, bubble_index, bubble_count, bubble_radius, neighbour_count, neighbour_index, bubbles, position):
+    a = cuda.grid(1)
+    if a >= bubble_count[0]:
+        return
+    real = type(bubbles.spacing)
+    wide = position.dtype.type
+    b = bubble_index[a]
+    reach = bubble_radius[b] + real(0.5) * bubbles.spacing
+    dx = dy = dz = wide(0)
+    touching = real(0)
+    for k in range(neighbour_count[b]):
+        j = neighbour_index[b, k]
+        if phase[j] != SOLID:
+            continue
+        x = real(position[0, b] - position[0, j])
+        y = real(position[1, b] - position[1, j])
+        z = real(position[2, b] - position[2, j])
+        r = math.sqrt(x * x + y * y + z * z)
+        if r < reach and r > real(1e-9) * bubbles.spacing:
+            f = reach / r - real(1)
+            dx += f * x
+            dy += f * y
+            dz += f * z
+            touching += real(1)
+    if touching > real(0):
+        share = wide(real(1) / touching)
+        r = wide(bubble_radius[b])
+        position[0, b] = inside(position[0, b] + share * dx, wide(bubbles.lower_x), wide(bubbles.upper_x), r)
+        position[1, b] = inside(position[1, b] + share * dy, wide(bubbles.lower_y), wide(bubbles.upper_y), r)
+        position[2, b] = inside(position[2, b] + share * dz, wide(bubbles.lower_z), wide(bubbles.upper_z), r)
+
+
+def bubble_avoid(phase, bubble_index, bubble_count, bubble_radius, neighbour_count, neighbour_index, bubbles, position):
+    """See `melt.reference.bubble_motion.bubble_avoid`."""
+    _bubble_avoid.launch(
+        bubble_index.shape[0], phase, bubble_index, bubble_count, bubble_radius, neighbour_count, neighbour_index,
+        bubbles, position,
     )

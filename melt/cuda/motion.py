@@ -42,6 +42,24 @@ def goal_kick(site_particle, goal, lattice, dt, velocity):
 
 
 @cuda_kernel
+def _goal_move(site_particle, goal, lattice, position):
+    s = cuda.grid(1)
+    if s >= site_particle.shape[0]:
+        return
+    wide = position.dtype.type
+    if site_particle[s] >= 0:
+        i = site_particle[s]
+        position[0, i] += wide(lattice.stiffness * goal[0, s])
+        position[1, i] += wide(lattice.stiffness * goal[1, s])
+        position[2, i] += wide(lattice.stiffness * goal[2, s])
+
+
+def goal_move(site_particle, goal, lattice, position):
+    """See `melt.reference.motion.goal_move`."""
+    _goal_move.launch(site_particle.shape[0], site_particle, goal, lattice, position)
+
+
+@cuda_kernel
 def _drift(phase, velocity, dt, position):
     i = cuda.grid(1)
     if i >= phase.shape[0]:

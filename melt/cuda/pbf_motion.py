@@ -6,7 +6,7 @@ import numpy as np
 
 from melt._compile import cuda, cuda_kernel
 from melt.physics.pbf import cut
-from melt.physics.phases import LIQUID
+from melt.physics.phases import SOLID
 
 
 @cuda_kernel
@@ -19,7 +19,7 @@ def _pbf_predict(phase, fluid, pbf, vessel, dt, velocity, position, position_pre
     most = real(0.5) * pbf.spacing / dt
     x, y, z = position[0, i], position[1, i], position[2, i]
     position_predicted[0, i], position_predicted[1, i], position_predicted[2, i] = x, y, z
-    if phase[i] != LIQUID:
+    if phase[i] > SOLID:
         return
     u = velocity[0, i] + dt * fluid.gravity_x
     v = velocity[1, i] + dt * fluid.gravity_y
@@ -70,7 +70,7 @@ def _pbf_velocity(position, position_predicted, phase, dt, velocity):
         return
     real = type(dt)
     per_dt = real(1) / dt
-    if phase[i] == LIQUID:
+    if phase[i] <= SOLID:
         velocity[0, i] += per_dt * real(position[0, i] - position_predicted[0, i])
         velocity[1, i] += per_dt * real(position[1, i] - position_predicted[1, i])
         velocity[2, i] += per_dt * real(position[2, i] - position_predicted[2, i])
@@ -90,7 +90,7 @@ def _pbf_bounds(phase, velocity, constraint, pbf_bounds):
     real = constraint.dtype.type
     speed2 = error = real(0)
     for i in range(p * n // pieces, (p + 1) * n // pieces):
-        if phase[i] == LIQUID:
+        if phase[i] <= SOLID:
             u, v, w, C = velocity[0, i], velocity[1, i], velocity[2, i], constraint[i]
             s2 = u * u + v * v + w * w
             # a NaN would lose every comparison that follows; infinity wins them

@@ -4,7 +4,7 @@ import math
 
 from melt._compile import cuda, cuda_kernel
 from melt.physics.pbf import pair_scales, spiky_over_r, support_of, xsph_weight
-from melt.physics.phases import LIQUID
+from melt.physics.phases import LIQUID, SOLID
 
 
 @cuda_kernel
@@ -109,14 +109,14 @@ def _pbf_xsph(
     u_i, v_i, w_i = velocity[0, i], velocity[1, i], velocity[2, i]
     m_i, V_i = mass[i], volume[i]
     du = dv = dw = wide(0)
-    for k in range(neighbour_count[i] if phase[i] == LIQUID else 0):
+    for k in range(neighbour_count[i] if phase[i] <= SOLID else 0):
         j = neighbour_index[i, k]
         x = real(x_i - position[0, j])
         y = real(y_i - position[1, j])
         z = real(z_i - position[2, j])
         inverse = real(1) / support_of(i, j, support_radius, pbf)
         f = xsph_weight(x * x + y * y + z * z, inverse, m_i, mass[j], V_i, volume[j])
-        f = f if phase[j] == LIQUID else real(0)
+        f = f if phase[i] + phase[j] <= SOLID else real(0)  # not of two solids
         du += f * (velocity[0, j] - u_i)
         dv += f * (velocity[1, j] - v_i)
         dw += f * (velocity[2, j] - w_i)

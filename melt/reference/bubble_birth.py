@@ -22,6 +22,24 @@ def boil_candidates(id, phase, temperature, latent_store, boiling, step_low, ste
         candidate[i] = word >> 2 < int(boiling.threshold)
 
 
+def boiled_sums(birth_index, mass, temperature, latent_store, latent_energy, boiling, served, boiled_sums):
+    """Write what the first ``served`` particles of the list take along: mass, m (c_p T + store), heat of fusion.
+
+    Where liquid comes from solids, their masses differ and they keep the heat that melted them.
+
+    Reads: birth_index (n,), mass (n,) [kg], temperature (n,) [degC], latent_store (n,) [J/kg], latent_energy (n,) [J]
+        (where melting has a latent heat only). Writes: boiled_sums (3, 64) [kg, J, J].
+    """
+    served, pieces = int(served), boiled_sums.shape[1]
+    on = birth_index[:served]
+    m, T, store = (a[on].astype(np.float64) for a in (mass, temperature, latent_store))
+    fusion = latent_energy[on].astype(np.float64) if latent_energy.shape[0] else np.zeros(served)
+    for p in range(pieces):
+        part = slice(p * served // pieces, (p + 1) * served // pieces)
+        for row, values in enumerate((m, m * (float(boiling.specific_heat) * T + store), fusion)):
+            boiled_sums[row, p] = values[part].sum()
+
+
 def _confined(x, radius, bubbles):
     sides = [(bubbles.lower_x, bubbles.upper_x), (bubbles.lower_y, bubbles.upper_y), (bubbles.lower_z, bubbles.upper_z)]
     low, high = np.array(sides, dtype=np.float64).T

@@ -8,7 +8,7 @@ MOST = 2**30
 
 
 def surface_column(position, phase, grid, bubbles, surface_column):
-    """Write the height of the highest liquid in each column above the floor, in steps of 1/4096 spacing; -1 without.
+    """Write the height of the highest liquid or solid in each column above the floor, in steps of 1/4096 spacing; -1 without.
 
     Rounded to the nearest step in the precision of the positions, from 0 to 2^30: integers have one maximum in
     whatever order they come.
@@ -16,7 +16,7 @@ def surface_column(position, phase, grid, bubbles, surface_column):
     Reads: position (3, n) [m], phase (n,). Writes: surface_column (nx ny,).
     """
     real = position.dtype.type
-    on = phase == 0
+    on = phase <= 1
     with np.errstate(over="ignore"):
         t = (position[2, on] - real(bubbles.floor)) * (real(STEPS) / real(bubbles.spacing)) + real(0.5)
     steps = np.where(t > 0, np.minimum(t, real(MOST)), 0).astype(np.int64)

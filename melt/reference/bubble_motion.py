@@ -177,3 +177,24 @@ def bubble_shift(bubble_index, bubble_count, bubble_radius, bubble_shift, bubble
     x = position[:, on].astype(np.float64)
     x[:2] += bubble_shift[:, on].astype(np.float64)
     position[:2, on] = _inside(x, bubble_radius[on].astype(np.float64), bubbles)[:2]
+
+
+def bubble_avoid(phase, bubble_index, bubble_count, bubble_radius, neighbour_count, neighbour_index, bubbles, position):
+    """Move bubbles out of solids, by the mean of what each solid particle closer than r_b + d/2 asks for.
+
+    Bubbles are not moved by the density solve: without this they would rise through a body. It does not enter their
+    velocity: under a body they stay as fast as liquid lets them rise, and come to its rim with the liquid.
+
+    Reads: phase (n,), bubble_index (n,) of which the first bubble_count[0] count, bubble_radius (n,) [m], lists.
+    Writes: position (3, n) [m] of the listed, within the walls.
+    """
+    start = position.astype(np.float64)
+    for b in _listed(bubble_index, bubble_count):
+        near = neighbour_index[b, : neighbour_count[b]]
+        away = start[:, [b]] - start[:, near[phase[near] == 1]]
+        r = np.sqrt((away**2).sum(axis=0))
+        reach = float(bubble_radius[b]) + 0.5 * float(bubbles.spacing)
+        touch = (r < reach) & (r > 1e-9 * float(bubbles.spacing))
+        if touch.any():
+            shift = ((reach / r[touch] - 1) * away[:, touch]).mean(axis=1)
+            position[:, b] = _inside((start[:, b] + shift)[:, None], float(bubble_radius[b]), bubbles)[:, 0]

@@ -28,6 +28,15 @@ def goal_kick(site_particle, goal, lattice, dt, velocity):
     velocity[:, site_particle[live]] += float(lattice.stiffness) * g / float(dt)
 
 
+def goal_move(site_particle, goal, lattice, position):
+    """Write x += alpha_lsm (g - x) of the particle of each live site: `goal_kick` where positions give velocities.
+
+    Reads: site_particle (s,), goal (3, s) = g - x [m]. Writes: position (3, n) [m].
+    """
+    live = site_particle >= 0
+    position[:, site_particle[live]] += float(lattice.stiffness) * goal[:, live].astype(np.float64)
+
+
 def drift(phase, velocity, dt, position):
     """Write x += dt v of liquid and solid particles.
 

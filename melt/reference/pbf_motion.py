@@ -1,4 +1,4 @@
-r"""Prediction, position update and velocity of the position based fluid. Boiling spec 1 (S2, S4c, S5)."""
+r"""Prediction, position update and velocity of the position based fluid and the solids in it. Boiling spec 1 (S2, S4c, S5)."""
 
 import numpy as np
 
@@ -9,13 +9,13 @@ def _box(vessel):
 
 
 def pbf_predict(phase, fluid, pbf, vessel, dt, velocity, position, position_predicted):
-    r"""Predict liquid: v += dt g, :math:`|v| \le d/(2 dt)`, x += dt v.
+    r"""Predict liquid and solids: v += dt g, :math:`|v| \le d/(2 dt)`, x += dt v.
 
     Reads: phase (n,), velocity (3, n) [m/s], position (3, n) [m].
-    Writes: velocity and position of liquid, this one clamped to the vessel; position_predicted (3, n) as it was
+    Writes: velocity and position of both, this one clamped to the vessel; position_predicted (3, n) as it was
         before, the position of all others.
     """
-    on = phase == 0
+    on = phase <= 1
     g = np.array([[fluid.gravity_x], [fluid.gravity_y], [fluid.gravity_z]], dtype=np.float64)
     dt = float(dt)
     v = velocity[:, on].astype(np.float64) + dt * g
@@ -46,20 +46,20 @@ def pbf_move(correction, active_index, active_count, pbf, vessel, position):
 
 
 def pbf_velocity(position, position_predicted, phase, dt, velocity):
-    """Add to the velocity [m/s] of liquid what the solve and the vessel moved it by, (x - x_predicted)/dt.
+    """Add to the velocity [m/s] of liquid and solids what solve, vessel and shape matching moved them by, (x - x_predicted)/dt.
 
     The same as (x - x^n)/dt, but without its rounding: a particle on its own keeps v + dt g to the last bit,
     where the difference of float32 positions at 1 m is off by 6e-8 m/dt.
 
     Reads: position, position_predicted (3, n) [m], phase (n,). Writes: velocity (3, n); others keep theirs.
     """
-    on = phase == 0
+    on = phase <= 1
     moved = position[:, on].astype(np.float64) - position_predicted[:, on].astype(np.float64)
     velocity[:, on] = velocity[:, on].astype(np.float64) + moved / float(dt)
 
 
 def pbf_bounds(phase, velocity, constraint, pbf_bounds):
-    """Write the largest speed [m/s] and density constraint of liquid in each of the pieces.
+    """Write the largest speed [m/s] and density constraint of liquid and solids in each of the pieces.
 
     Reads: phase (n,), velocity (3, n) [m/s], constraint (n,).
     Writes: pbf_bounds (2, pieces): piece p covers the particles from p n/pieces on; 0 where it has none.
@@ -68,6 +68,6 @@ def pbf_bounds(phase, velocity, constraint, pbf_bounds):
     speed = np.sqrt((velocity.astype(np.float64) ** 2).sum(axis=0))
     for p in range(pieces):
         part = slice(p * n // pieces, (p + 1) * n // pieces)
-        on = phase[part] == 0
+        on = phase[part] <= 1
         for row, values in enumerate((speed[part][on], constraint[part][on].astype(np.float64))):
             pbf_bounds[row, p] = max(0.0, np.where(np.isnan(values), np.inf, values).max(initial=0.0))

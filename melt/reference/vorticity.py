@@ -5,7 +5,8 @@ r"""Velocity filters of the position based fluid: vorticity confinement and XSPH
     v_i &\mathrel{+}= dt\, \epsilon_v \frac{\eta_i}{|\eta_i| + 10^{-9}/(R\,dt)} \times \omega_i \\
     v_i &\mathrel{+}= c \sum_j \frac{2 m_j}{m_i + m_j} \frac{V_i + V_j}{2} W^{poly6}_{ij} (v_j - v_i), \quad c = \min(0.5, \gamma\, dt)
 
-with i and j liquid. XSPH takes the plain poly6: it is a filter, whose strength gamma sets.
+with i and j liquid; in XSPH one of them may be solid: water takes ice along, and ice water. XSPH takes the plain poly6: it is a
+filter, whose strength gamma sets.
 """
 
 import numpy as np
@@ -16,7 +17,11 @@ from melt.reference._pbf import pair_supports, tables
 
 def _liquid(phase, *arrays):
     """Return indices of liquid particles, and their part of arrays whose last axis counts particles."""
-    on = np.flatnonzero(phase == 0)
+    return _chosen(phase == 0, *arrays)
+
+
+def _chosen(which, *arrays):
+    on = np.flatnonzero(which)
     return on, *(a[..., on].astype(np.float64) if a.shape[-1] else a for a in arrays)
 
 
@@ -58,16 +63,18 @@ def pbf_xsph(
     position, velocity, phase, mass, volume, support_radius, neighbour_count, neighbour_index, pbf, dt,
     velocity_next,
 ):
-    """Write velocities blended with those around (8); exact in momentum. Others than liquid keep theirs.
+    """Write velocities blended with those around (8); exact in momentum. Liquid and solids; others keep theirs.
 
     Reads: position (3, n) [m], velocity (3, n) [m/s], phase (n,), mass (n,) [kg], volume (n,) [m^3]; all pairs.
     Writes: velocity_next (3, n) [m/s].
     """
-    on, x, v, m, V, R_i = _liquid(phase, position, velocity, mass, volume, support_radius)
+    on, x, v, m, V, R_i = _chosen(phase <= 1, position, velocity, mass, volume, support_radius)
     _, r = separations(x)
     R = pair_supports(x, R_i, pbf)
     W1 = 315 / (64 * np.pi * R**3) * np.where(r < R, 1 - (r / R) ** 2, 0.0) ** 3
     c = min(0.5, float(pbf.blend) * float(dt))
     weight = c * 2 * m[None, :] / (m[:, None] + m[None, :]) * (V[:, None] + V[None, :]) / 2 * W1
+    solid = phase[on] == 1
+    weight = np.where(solid[:, None] & solid[None, :], 0.0, weight)  # a body keeps its turn
     velocity_next[:] = velocity
     velocity_next[:, on] = v + (weight * (v[:, None, :] - v[:, :, None])).sum(axis=2)

@@ -168,7 +168,7 @@ def check_boiling(scene):
     if scene.solver.pressure == "wcsph":
         raise ValueError("[boiling] needs solver.pressure = pbf (position based fluid) or sph (the paper's baseline)")
     if scene.heat is not None:
-        raise ValueError("[boiling] has its own heat of the liquid: remove [heat] (melting and freezing)")
+        _one_specific_heat(scene)
     if not scene.solver.motion:
         raise ValueError("[boiling] needs solver.motion = true: bubbles rise")
     if abs(scene.domain.gravity[0]) + abs(scene.domain.gravity[1]) > 0 or scene.domain.gravity[2] > 0:
@@ -189,3 +189,15 @@ def check_boiling(scene):
             f"fluid.temperature = {scene.fluid.temperature:g} degC is above boiling.boiling_point = "
             f"{scene.boiling.boiling_point:g} degC: liquid starts at the boiling point at most"
         )
+
+
+def _one_specific_heat(scene):
+    """Let [boiling] and [heat] have the liquid's specific heat that one of them gives; `ValueError` if both do, differently."""
+    given = [s for s in (scene.boiling, scene.heat) if "specific_heat" in s.model_fields_set]
+    values = {s.specific_heat for s in given} or {scene.heat.specific_heat}
+    if len(values) > 1:
+        raise ValueError(
+            f"boiling.specific_heat = {scene.boiling.specific_heat:g} and heat.specific_heat = {scene.heat.specific_heat:g} "
+            "are of one liquid: give it once"
+        )
+    scene.boiling.specific_heat = scene.heat.specific_heat = values.pop()

@@ -14,7 +14,7 @@ from melt.scene.flood import FloodScene
 from melt.scene.fronts import MEASURED, measured_preset
 from melt.scene.messages import explain
 from melt.scene.model import Scene
-from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, OPTIONAL_SECTIONS, PRESETS, SLIME_PRESETS
+from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, KETTLE_PRESETS, OPTIONAL_SECTIONS, PRESETS, SLIME_PRESETS
 from melt.scene.slime import INCOMPRESSIBLE
 
 
@@ -108,6 +108,8 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
             raise SceneError(f"override {text!r}: write KEY=VALUE, for instance heat.conductivity=50")
         _assign(data, key.strip(), _parse(value.strip()))
     model = FloodScene if "terrain" in data else Scene
+    if model is FloodScene:
+        _no_heat_in_floods(data, title)
     _fill_in(data, _presets_of(data).get(chosen, {}))
     _resolve_meshes(data, folder)
     if "terrain" in data:
@@ -120,13 +122,24 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         raise SceneError(explain(error, data, title, model)) from None
 
 
+def _no_heat_in_floods(data, title):
+    """Refuse warm and viscous floods with the reason: their equations have no temperature."""
+    asked = [f"[{name}]" for name in ("heat", "boiling", "viscosity", "solid") if name in data]
+    if asked:
+        raise SceneError(
+            f"{title}: a flood ([terrain]) has no {', '.join(asked)}: the shallow-water equations carry a depth and a horizontal velocity "
+            "per column, no temperature and no profile over the depth that a warm or stiff liquid needs; friction at the bed stands for "
+            "viscosity. For lava or melt-water use a liquid in a box: leave [terrain] out, give the ground as [[obstacle]]"
+        )
+
+
 def _presets_of(data):
     """Return the presets of the system that a scene belongs to."""
     solver = data.get("solver")
     if "terrain" in data:
         return FLOOD_PRESETS
     if "boiling" in data:
-        return BOILING_PRESETS
+        return KETTLE_PRESETS if "heat" in data else BOILING_PRESETS
     incompressible = isinstance(solver, dict) and solver.get("pressure") in INCOMPRESSIBLE
     return SLIME_PRESETS if incompressible else PRESETS
 

@@ -193,7 +193,7 @@ class Scene(Section):
     @model_validator(mode="after")
     def _together(self):
         paper = self.heat is not None and self.heat.law == "paper"
-        if self.solver.melt_to == "own" and self.solver.density_form == "number":
+        if self.solver.melt_to == "own" and self.solver.density_form == "number" and self.solver.pressure == "wcsph":
             raise ValueError("solver.melt_to = own makes unequal volumes: set solver.density_form = volume")
         if self.fluid.sound_speed == "legal" and self.time.n_sub == "auto":
             raise ValueError(

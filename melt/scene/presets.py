@@ -40,6 +40,10 @@ BOILING_PRESETS = {
     # the whole latent heat, and heat that conducts as in water
     "physical": {"boiling": {"latent_scale": 1.0, "diffusivity": WATER_DIFFUSIVITY, "boost": "boussinesq"}},
 }
+#: The same where [heat] says how liquid and solids conduct.
+KETTLE_PRESETS = BOILING_PRESETS | {
+    "physical": {"boiling": {"latent_scale": 1.0, "boost": "boussinesq"}, "heat": {"latent": True, "conductivity_scale": 1.0}},
+}
 #: What the presets mean for a flood (flood spec 2-4, 8).
 FLOOD_PRESETS = {
     "default": {},

@@ -1,9 +1,10 @@
-"""Liquid that may boil: one outer step, stage by stage. "Sn" is the stage of the boiling spec, section 1.
+"""Liquid that may boil, and solids that melt in it: one outer step, stage by stage. "Sn" is the stage of the boiling spec, section 1.
 
 A sub-step predicts positions under gravity, corrects them until the density of the liquid is that of rest
 (position based fluid), and takes the velocities from where the particles went; or it takes the pressure of
 weakly compressible SPH instead. Positions, velocities and temperatures all live at t^n. Heat is in
-`melt.systems.liquid_heat`, bubbles and vapour in `melt.systems.bubbles`.
+`melt.systems.liquid_heat`, bubbles and vapour in `melt.systems.bubbles`. In the solve solids are walls that take the opposite of
+each push; then shape matching puts their particles where their bodies have them (ADR 20).
 """
 
 import math
@@ -12,11 +13,14 @@ import numpy as np
 
 from melt.boiling import gravity_of, sph_sound_speed
 from melt.errors import NotFinite, Unstable
+from melt.physics.phases import SOLID
 from melt.position_based import longest_step, surface_height
 from melt.systems import bubbles
+from melt.systems.heat import start_heat
 from melt.systems.liquid_heat import boost, warm
-from melt.systems.melting import search
+from melt.systems.melting import liquefy, search
 from melt.systems.steps import count
+from melt.systems.topology import build_lattice
 
 
 def settings_of(scene, liquid, top_speed, bubble_slots, vapour_slots):
@@ -46,7 +50,11 @@ def settings_of(scene, liquid, top_speed, bubble_slots, vapour_slots):
 
 
 def start(do):
-    """Begin the ledger of what boils; nothing else is derived before the first step."""
+    """Derive thermal properties and the lattice of solids; begin the ledger of what boils."""
+    if do.need.heat:
+        start_heat(do)
+    if do.need.solids:
+        build_lattice(do)
     if do.need.boiling:
         bubbles.start(do)
 
@@ -72,11 +80,14 @@ def _step(do, dt):
             predict(do, sub_dt)  # S2
             lists(do)  # S3
             solve(do)  # S4: density
+            if need.solids:
+                shape(do)
             do.pbf_velocity(dt=sub_dt)  # S5
         filters(do, sub_dt)  # S6
         if need.boiling:
             bubbles.rise(do, sub_dt)  # S6: drag, S7
             bubbles.change(do, sub_dt)  # S8
+        if need.boiling or need.heat:
             warm(do, sub_dt)  # S9
         if need.boost:
             boost(do, sub_dt)  # S10
@@ -90,6 +101,7 @@ def _step(do, dt):
             do.leave_domain()
         clock.time += sub_dt
         clock.sub_step += 1
+    liquefy(do)  # melting line 9-10
     do.pbf_bounds()
     keep_bounds(do)
     if need.boiling and bubbles.dry(do):
@@ -108,6 +120,8 @@ def lists(do):
     search(do)
     if bubbles.present(do):
         bubbles.listed(do)
+    if do.need.solids:
+        do.list_slots(flag="phase", key=SOLID, index="solid_index", count="solid_count")
     do.pbf_begin()
     if do.need.short_lists:
         do.pbf_list()
@@ -124,9 +138,19 @@ def solve(do):
             do.active_list(iteration=k)
         do.pbf_lambda()  # eqs (1), (4), (5)
         do.pbf_correction(iteration=k)  # eq (6)
+        if do.need.solids:
+            do.solid_correction()
+            do.pbf_move(active_index="solid_index", active_count="solid_count")
         do.pbf_move()
         if bubbles.present(do) and do.clock.largest_bubble > do.settings.spacing:
             do.bubble_exclude()
+
+
+def shape(do):
+    """Put the particles of solids where the rotations of their regions have them; momentum stays."""
+    do.region_match()
+    do.goal()
+    do.goal_move()
 
 
 def squeeze(do, sub_dt):

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from melt.boiling import threshold_of
+from melt.boiling_ledger import tank_heat
 from melt.errors import MeltError
 from melt.physics.phases import BUBBLE, INACTIVE, VAPOUR
 from melt.systems.reads import finite, largest, total
@@ -16,7 +17,8 @@ from melt.systems.reads import finite, largest, total
 #: Counters since the start, kept by checkpoints: particles boiled, bubbles gone, quarters of liquid let go, heat [J].
 LEDGER = {
     "boiled": 0, "merged": 0, "vanished": 0, "burst": 0, "released_quarters": 0, "deferred": 0, "vapour": 0,
-    "vapour_dropped": 0, "condensed": 0, "condensed_heat": 0.0, "heat_in": 0.0, "heat_lost": 0.0, "excess_heat": 0.0, "start_heat": 0.0,
+    "vapour_dropped": 0, "condensed": 0, "condensed_heat": 0.0, "heat_in": 0.0, "heat_lost": 0.0,
+    "boiled_mass": 0.0, "boiled_heat": 0.0, "excess_heat": 0.0, "start_heat": 0.0,
     "push_x": 0.0, "push_y": 0.0, "push_z": 0.0, "merge_x": 0.0, "merge_y": 0.0, "merge_z": 0.0,
 }
 BURST = 2  # of bubble_fate
@@ -29,11 +31,18 @@ def start(do):
     listed(do)
     clock.ledger = dict(LEDGER)
     clock.next_id = do.size("particle")
-    do.boil_content()
     if clock.bubbles:
         do.largest_bubble()
         clock.largest_bubble = max(clock.largest_bubble, largest(do, "largest_bubble"))
-    clock.ledger["start_heat"] = total(do, "boil_content")
+    clock.ledger["start_heat"] = start_heat(do)
+
+
+def start_heat(do):
+    """Return the heat of the liquid at the start [J]; with [heat] that of solids, too."""
+    if do.need.heat:
+        return 0.0 if do.recording else tank_heat(do)
+    do.boil_content()
+    return total(do, "boil_content")
 
 
 def present(do):
@@ -68,11 +77,21 @@ def births(do, dt):
             "Fix: raise boiling.bubbles.capacity"
         )
     if served > 0:
+        if do.need.heat:
+            _take(do, served)
         do.spawn_bubbles(**_moment(do), first_id=_ids(clock, 4 * served), served=served)
         ledger["excess_heat"] += total(do, "birth_excess")
         ledger["boiled"] += served
         clock.largest_bubble = max(clock.largest_bubble, float(do.params["bubbles"].birth_radius))
         listed(do)
+
+
+def _take(do, served):
+    """Book what the particles that boil take along: melt may be lighter than the rest, and has its heat of fusion."""
+    do.boiled_sums(served=served)
+    mass, heat, fusion = np.asarray(do.read("boiled_sums")).sum(axis=1)
+    do.clock.ledger["boiled_mass"] += finite(float(mass))
+    do.clock.ledger["boiled_heat"] += finite(float(heat + fusion))
 
 
 def listed(do):
@@ -89,6 +108,8 @@ def rise(do, dt):
     do.bubble_move(dt=dt)
     do.bubble_drift(dt=dt)  # eq (13)
     do.bubble_shift()
+    if do.need.solids:
+        do.bubble_avoid()
 
 
 def change(do, dt):

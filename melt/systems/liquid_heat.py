@@ -1,4 +1,4 @@
-"""Heat of a liquid that boils, and the velocity boost by warmth. Boiling spec 2.3, 2.4 (S9, S10)."""
+"""Heat of a liquid that boils or melts what is in it, and the velocity boost by warmth. Boiling spec 2.3, 2.4 (S9, S10)."""
 
 import math
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from melt.errors import MeltError
 from melt.scene.model import SUBSTEPS_LIMIT
+from melt.systems import heat as heat_equation
 from melt.systems.reads import finite, largest, total
 
 SAFE = 0.8  # of the explicit step limit: a maximum principle holds up to 1
@@ -15,22 +16,25 @@ def warm(do, dt):
     """Heater, conduction, loss at the surface; then what is above the boiling point goes into the latent store.
 
     A heater that holds its temperature (dirichlet) does so after conduction too: else what it touches would
-    always be a little colder than T_h.
+    always be a little colder than T_h. With [heat] one equation serves liquid and solids: that of melting.
     """
-    grid = do.settings.boiling.heat_model == "grid"
+    grid = do.need.boiling and do.settings.boiling.heat_model == "grid"
     if do.need.heater:
         heat(do, dt)
-    if grid:
+    if do.need.heat:
+        heat_equation.heat(do, dt)
+    elif grid:
         conduct_grid(do, dt)
     else:
         conduct(do, dt)
-        if do.need.surface_loss:
-            cool(do, dt)
+    if do.need.surface_loss:
+        cool(do, dt)
     if do.need.heater and do.settings.boiling.heater.mode == "dirichlet":
         heat(do, dt)
     if grid:
         do.voxel_sample()
-    do.boil_store()
+    if do.need.boiling:
+        do.boil_store()
 
 
 def heat(do, dt):

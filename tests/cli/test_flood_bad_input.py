@@ -119,6 +119,8 @@ BAD = {
     "unknown key": (SHAPE + "[friction]\nmaning = 0.03\n", ["friction.maning is not a known key", "did you mean 'manning'"]),
     "unknown section": (SHAPE + "[bondary]\nwest = 'open'\n", ["bondary is not a known key", "did you mean 'boundary'"]),
     "unknown key of a gauge": (SHAPE + "[[gauge]]\nplace = [1, 1]\n", ["gauge.0.place is not a known key", "position is required"]),
+    **{f"flood with [{name}]": (f"{SHAPE}\n[{name}]\n", [f"has no [{name}]", "carry a depth and a horizontal velocity", "[[obstacle]]"])
+       for name in ("heat", "viscosity", "boiling")},
     "section of a liquid": (SHAPE + "[domain]\nupper = [1, 1, 1]\n", ["domain is not a known key"]),
     "unknown shape": (SHAPE.replace('"flat"', '"flatt"'), ["did you mean 'flat'"]),
     "unknown parameter": (SHAPE.replace("cell = 0.5", "cell = 0.5\nparameters = {hight = 3}"), ["no parameter 'hight'"]),

@@ -22,6 +22,7 @@ LONG = {
     "contact": "pairs of one body are skipped by lattice distance, which needs its sites beside the motion",
     "freezing": "a liquid particle is matched with sites, regions and the material it freezes to at once",
     "pbf": "both partners' share in the solve, the lists, and which of the pairs act in an iteration",
+    "pbf_solid": "the push of the solve and contact at once: both partners, the lists, and which body a particle is of",
     "bubble_motion": "drag: the list of bubbles beside that of their neighbours",
     "vapour": "a particle that comes into being: all its fields",
     "condense": "a particle that comes into being: all its fields",

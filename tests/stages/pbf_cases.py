@@ -69,7 +69,7 @@ def arrays(x, phase=0, precision="double", ratio=2.2, **fields):
     )
     given.update(fields)
     sizes = dict(
-        particle=n, neighbour=index.shape[1], table=POINTS, bin=40, chunk=1 + n // 256, reduction=64, cell=3, column=1, voxel=1,
+        particle=n, neighbour=index.shape[1], table=POINTS, bin=40, chunk=1 + n // 256, reduction=64, cell=3, column=1, voxel=1, site=n,
     )
     a = {}
     for stage in STAGES.values():
