@@ -21,6 +21,7 @@ from melt.flood import maps as flood_maps
 from melt.flood import plan as flood_plan
 from melt.physics.phases import LIQUID, SOLID
 from melt.position_based import POINTS, adaptive, pbf_fields, pbf_of, short_lists, vessel_of
+from melt.scales import fourier_number
 from melt.slime import plan as slime_plan
 from melt.state import REAL, bytes_of
 from melt.systems import boiling, flood, melting, slime
@@ -117,21 +118,6 @@ def needs(scene, initial):
         contact=solver.contact and solids and not pbf,
         domain=scene.domain.leave == "delete",
     )
-
-
-def fourier_number(scene, initial):
-    """Return Fo = alpha dt / dx^2 of the fastest material (alpha = 2 K in paper mode)."""
-    k = initial["material_conductivity"]
-    if scene.heat.law == "paper":
-        alpha = 2 * k
-    else:
-        alpha = k / (initial["material_density"] * initial["material_specific_heat"])
-    return float(alpha.max(initial=0.0)) * scene.time.dt / scene.spacing**2
-
-
-def explicit_heat_limit(scene, settings):
-    """Return the longest step [s] of forward Euler in the material that conducts best, on the rest lattice."""
-    return scene.support**2 / 14.2 / max(settings.fourier_number * scene.spacing**2 / scene.time.dt, 1e-300)
 
 
 def settings_of(scene, initial, sound_speed, precision):

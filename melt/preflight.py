@@ -13,8 +13,9 @@ from melt.flood import findings as flood
 from melt.forecast import forecast
 from melt.geometry.build import build
 from melt.physics.phases import INACTIVE, LIQUID, SOLID, WALL
-from melt.plan import explicit_heat_limit, prepare
+from melt.plan import prepare
 from melt.position_based import bottom_compression, relaxation, stiffness
+from melt.scales import explicit_heat_limit
 from melt.slime.findings import slime_findings
 from melt.stages import STAGES
 from melt.systems.steps import over_limit

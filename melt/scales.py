@@ -47,3 +47,18 @@ def scales_of(scene, initial, settings):
         "rate2": (0.1 * cs / dx) ** 2,
     }
     return slime.scales_of(scene, found) if scene.incompressible else found
+
+
+def fourier_number(scene, initial):
+    """Return Fo = alpha dt / dx^2 of the fastest material (alpha = 2 K in paper mode)."""
+    k = initial["material_conductivity"]
+    if scene.heat.law == "paper":
+        alpha = 2 * k
+    else:
+        alpha = k / (initial["material_density"] * initial["material_specific_heat"])
+    return float(alpha.max(initial=0.0)) * scene.time.dt / scene.spacing**2
+
+
+def explicit_heat_limit(scene, settings):
+    """Return the longest step [s] of forward Euler in the material that conducts best, on the rest lattice."""
+    return scene.support**2 / 14.2 / max(settings.fourier_number * scene.spacing**2 / scene.time.dt, 1e-300)

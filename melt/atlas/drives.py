@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from melt.errors import MeltError, NotFinite
-from melt.plan import explicit_heat_limit
+from melt.scales import explicit_heat_limit
 from melt.systems import flood, heat, liquid_heat, melting
 
 LONGEST = 1e6  # s: where nothing bounds a step
