@@ -255,11 +255,9 @@ def _head(p):
     if scene.kind == "flood":
         yield from flood.head(scene, p.initial, p.prepared)
         return
-    inside = lattice_offsets(scene.solver.support, scene.domain.dimensions).size
-    yield (
-        f"spacing {scene.spacing:g} m, support {scene.support:g} m ({inside} neighbours inside, "
-        f"lattice density {lattice_density(scene):.4f}), precision {p.prepared.precision}"
-    )
+    inside, density = lattice_offsets(scene.solver.support, scene.domain.dimensions).size, lattice_density(scene)
+    lattice = f"{inside} neighbours inside, lattice density {density:.4f}"
+    yield f"spacing {scene.spacing:g} m, support {scene.support:g} m ({lattice}), precision {p.prepared.precision}"
     yield f"requires: {p.prepared.required}"
     if scene.solver.motion:
         sound = "" if p.prepared.need.pbf or p.prepared.need.incompressible else f"sound speed {s.sound_speed:.4g} m/s; "

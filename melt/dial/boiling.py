@@ -41,15 +41,22 @@ def belongs(scene):
 
 def knobs(scene):
     """Return the knobs that make a difference in a scene, one at a time."""
-    return KNOBS + (BOILING if scene.boiling else [])
+    found = KNOBS + (BOILING if scene.boiling else [])
+    return [knob for knob in found if not scene.solid or _fits_solids(knob)]
+
+
+def _fits_solids(knob):
+    """Return whether a knob is for liquids with solids, too: those have the full precision, heat of their own, and PBF alone."""
+    return knob.name not in ("effect precision", "solver", "heat", "boost")
 
 
 def combined(scene):
     """Return both ends: what is cheap together, and what is dear together."""
+    lighter = () if scene.solid else ("solver.pbf.precision=true",)
     return [
         Knob("combined", "cheapest", ("solver.pbf.iterations=2", "solver.support=1.8")),
         Knob("combined", "dear", ("solver.pbf.iterations=8", "time.n_sub=2")),
-        Knob("combined", "cheap", ("solver.pbf.iterations=3", "solver.pbf.precision=true")),
+        Knob("combined", "cheap", ("solver.pbf.iterations=3", *lighter)),
         Knob("combined", "dearest", ("solver.pbf.iterations=12", "time.n_sub=2", "solver.precision=double")),
     ]
 
