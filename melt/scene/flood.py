@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from melt.scene.flood_bodies import FloodObstacle, Gauge, Pool, Vector2, Velocity2
+from melt.scene.flood_bodies import FloodObstacle, Gauge, Infiltration, Pool, Vector2, Velocity2
 from melt.scene.model import About, Output, Time
 from melt.scene.quantities import (
     Density,
@@ -140,12 +140,6 @@ class Rain(Section):
 
     rate: quantity("speed", at_least=0) | Table
     """Water per area and time, such as "20 mm/h"."""
-
-
-class Infiltration(Section):
-    """Water that seeps away at a constant rate."""
-
-    rate: quantity("speed", at_least=0)
 
 
 class Control(Section):

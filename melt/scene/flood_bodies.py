@@ -1,4 +1,4 @@
-"""Scene tables of a flood that place water, obstacles and gauges. Plane vectors are (x, y), z is up."""
+"""Scene tables of a flood that place water, obstacles and gauges, or take water away. Plane vectors are (x, y), z is up."""
 
 import difflib
 from typing import Any, Literal
@@ -15,6 +15,7 @@ from melt.scene.quantities import (
     Section,
     Vector2,
     Velocity2,
+    quantity,
 )
 
 
@@ -112,3 +113,9 @@ class Gauge(Section):
 
     name: str = ""
     position: Vector2
+
+
+class Infiltration(Section):
+    """Water that seeps away at a constant rate."""
+
+    rate: quantity("speed", at_least=0)
