@@ -98,7 +98,7 @@ def curves(sim):
     Gauges are in reference depths of the scene.
     """
     scene, unit = sim.scene, float(np.hypot(*np.ptp(sim.initial.terrain.bounds, axis=0))) / 200
-    wet = sim.read("phase") == 0
+    wet = sim.read("phase") == 0  # none before the first inflow
     V, x = sim.read("rest_volume")[wet].astype(float), sim.read("position")[wet].astype(float)
     v = sim.read("velocity")[wet].astype(float)
     total = max(V.sum(), 1e-300)

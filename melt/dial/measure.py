@@ -82,8 +82,8 @@ def shake(initial, scene, number):
     x = initial.arrays["position"]
     liquid = initial["phase"] == LIQUID
     shift = np.random.default_rng(number).uniform(-1, 1, (x.shape[0], int(liquid.sum()))) * SHAKE * initial.spacing
-    flat = np.ptp(x[:, liquid], axis=1) == 0
-    shift[flat] = 0.0
+    if liquid.any():  # a flood may begin dry
+        shift[np.ptp(x[:, liquid], axis=1) == 0] = 0.0
     x[:, liquid] += shift
 
 
