@@ -102,15 +102,17 @@ def tank_heat(do):
     """Return the heat of liquid and solids above liquid at 0 degC [J], from temperatures and materials alone.
 
     Liquid: m (c T + latent store) and the heat that melted it. Solid: m (c_s (T - T_m) + c T_m) below its melting point T_m,
-    m c T above it (without latent heat: c_s stays), and the heat of melting that it has taken up. c is the liquids'.
+    m c T above it (without latent heat: c_s stays), and the heat of melting that it has taken up. c is the liquids'. One that
+    never melts: m c_s T.
     """
     phase, material = do.read("phase"), do.read("material")
     mass, T, store = (do.read(n).astype(np.float64) for n in ("mass", "temperature", "latent_store"))
     c = float(do.params["boiling"].specific_heat)
     point = do.read("material_melting_point").astype(np.float64)[material]
+    latent = np.isfinite(point) & (do.read("material_latent_heat")[material] > 0 if do.need.latent else False)
     point = np.where(np.isfinite(point), point, 0.0)
     own = do.read("material_specific_heat").astype(np.float64)[material]
-    above = np.where(do.need.latent, c, own) * np.maximum(T - point, 0.0)
+    above = np.where(latent, c, own) * np.maximum(T - point, 0.0)
     solid = own * np.minimum(T - point, 0.0) + above + c * point
     liquid, frozen = phase == LIQUID, phase == SOLID
     parts = [(mass * (c * T + store))[liquid], (mass * solid)[frozen]]

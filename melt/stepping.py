@@ -17,7 +17,7 @@ def in_pieces(sim, dt):
     """Advance by one outer step of ``dt`` seconds: at once, or in 2^halvings equal steps of which it counts as one.
 
     So frames, checkpoints and all that happens every so many steps keep their times. Counts of the notes are those of
-    all pieces; gauges are read at the end of the last.
+    all pieces, forces the mean over them; gauges are read at the end of the last.
     """
     do, clock = sim.do, sim.do.clock
     step, start, pieces, counted = clock.step, clock.time, 2**clock.halvings, {}
@@ -31,7 +31,8 @@ def in_pieces(sim, dt):
         if k + 1 < pieces:
             del clock.readings[read:]
         for name in ("n_sub", *clock.tally):
-            counted[name] = counted.get(name, 0) + do.notes.get(name, 0)
+            value = do.notes.get(name, 0)
+            counted[name] = counted.get(name, 0) + (value / pieces if name.startswith("force/") else value)
     if pieces > 1:
         do.notes.update(counted)
 

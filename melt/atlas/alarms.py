@@ -5,12 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from melt.watch.alarms import fastest
+
 STABLE, NOISY, FAILED, REFUSED = "stable", "noisy", "failed", "refused"
 GRADES = (STABLE, NOISY, FAILED, REFUSED)
 
 
 class Scales(NamedTuple):
-    """What a run is measured by: the fall through the height of what moves, and what drives it beside gravity."""
+    """What a run is measured by: the fall through the height of what moves, and what drives it beside gravity, moving bodies too."""
 
     length: float  # height along gravity, else the largest extent [m]
     speed: float  # [m/s]
@@ -51,14 +53,15 @@ def scales_of(sim):
     if sim.prepared.need.incompressible:
         s, rho = sim.prepared.settings, sim.scene.fluid.density
         speed2 += 2 * s.sigma / (rho * height) + (sim.scene.fluid.central**0.5 * height) ** 2
-    speed = max(math.sqrt(speed2), *(nozzle.speed for nozzle in sim.initial.nozzles), 1e-9)
+    driven = [fastest(body, height) for body in getattr(sim.prepared.settings, "bodies", ())]
+    speed = max(math.sqrt(speed2), *(nozzle.speed for nozzle in sim.initial.nozzles), *driven, 1e-9)
     return Scales(height, speed, 2 * height / speed, float(m.sum()) or 1.0, start)
 
 
 def energy_gained(sim, series, scales):
     """Energy above that at the start over the energy scale; 0 where something brings energy."""
     scene = sim.scene
-    if scene.inflow or getattr(scene, "edge", None) or any(getattr(o, "moves", False) for o in scene.obstacle):
+    if scene.inflow or getattr(scene, "edge", None) or any(getattr(o, "driven", False) for o in scene.obstacle):
         return 0.0
     gained = sum(series[name] - scales.start[name] for name in ("kinetic_energy", "potential_energy"))
     return gained / scales.energy

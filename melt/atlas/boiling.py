@@ -14,7 +14,7 @@ def maps(scene):
     found = []
     if scene.solver.pressure == "pbf":
         found.append(_iterations(scene))
-    if scene.boiling is not None and scene.boiling.heat_model != "grid":
+    if scene.boiling is not None and scene.boiling.heat_model != "grid" and scene.heat is None:  # else heat conducts as [heat] says
         found.append(_diffusivity(scene))
     return found
 

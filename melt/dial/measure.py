@@ -20,7 +20,7 @@ from melt.physics.phases import LIQUID
 from melt.simulation import Simulation
 
 WARM = 2  # steps that are not timed: buffers grow in them, and what is left to compile compiles
-SHAKE = 1e-3  # of a spacing, by which repetitions of a scene without anything random differ
+SHAKE = 1e-3  # of a spacing, by which repetitions differ: seeds alone say nothing where nothing random happens in a run
 #: Folders of melt, and files of this one, that no figure of a study on the CPU depends on.
 APART = ("cli", "check", "cuda", "reference", "output")
 SAYING = ("report.py", "choose.py")

@@ -73,7 +73,8 @@ def knobs(scene):
         found.append(Knob("spacing", "x 0.5", (f"domain.spacing={0.5 * scene.spacing!r}",)))
     found += (VISCOUS[:3] if scene.viscosity else []) + KNOBS
     found += (POISSON if scene.solver.pressure != "dfsph" else []) + (VISCOUS[3:] if scene.viscosity else [])
-    if scene.fluid.enclosed or scene.solid:  # a full box has no surface; bodies go with DFSPH alone
+    # a full box has no surface, particles that are shifted have none either; bodies go with DFSPH alone
+    if scene.fluid.enclosed or scene.solver.dfsph.shift > 0 or scene.solid:
         return [knob for knob in found if knob.name != "semi-Lagrangian"]
     if scene.heat is None:  # heat stays with particles of constant mass
         found += APIC

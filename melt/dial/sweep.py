@@ -70,7 +70,7 @@ def run(name, out=None, steps=None, within=None, seeds=2, knobs=None, keep=False
             say(f"{knob.label}: left out, {within or WITHIN:.0f} s are over")
             continue
         patience = PATIENCE * max(slower * seconds[knob.label] / seeds, SOON) if points else np.inf
-        point, found, n_sub, spent = measured(load, system, scene, knob, shared, window, truth, what, seeds, patience)
+        point, found, n_sub, spent = measured(load, system, knob, shared, window, truth, what, seeds, patience)
         left -= spent
         if not points:  # the forecast is of free cores, and of this scene it may be wrong
             slower = max(1.0, spent / max(seconds[knob.label], 1e-9))
@@ -147,18 +147,20 @@ def _rate(scene, initial=None):
         return 0.0
 
 
-def measured(load, system, scene, knob, shared, window, truth, what, seeds, patience):
+def measured(load, system, knob, shared, window, truth, what, seeds, patience):
     """Run one candidate over the seeds; return (`FrontPoint`, {curve: share}, sub-steps of the last step, wall seconds)."""
     overrides, spent, each, samples = [*shared, *knob.overrides], 0.0, [], []
     try:
         for k in range(seeds):
-            reseeded = system.reseeded(scene, k) if k else []
-            made = measure.sample(load([*overrides, *reseeded]), window, 0 if reseeded else k, patience)
+            # of what this candidate has: a seed brings back what it has taken out
+            reseeded = system.reseeded(load(overrides), k) if k else []
+            made = measure.sample(load([*overrides, *reseeded]), window, k, patience)
             spent += made.seconds
             samples.append(made)
             each.append(errors_of(made.times, made.curves, truth, what))
     except MeltError as error:
-        why = "too slow" if isinstance(error, measure.TooSlow) else "unstable"
+        slow = isinstance(error, measure.TooSlow)
+        why, spent = ("too slow", spent + patience) if slow else ("unstable", spent)
         failed = FrontPoint(knob.label, tuple(knob.overrides), np.nan, np.nan, 0, np.nan, np.nan, failure=f"{why}: {error}")
         return failed, {}, 0, spent
     heads = 100 * np.array([headline(errors) for errors in each])
@@ -173,7 +175,7 @@ def measured(load, system, scene, knob, shared, window, truth, what, seeds, pati
 
 def facts_of(scene, path, what, reference, window, seeds, random):
     """Return the facts that go with a front."""
-    repeated = "another random seed" if random else f"the liquid displaced by {measure.SHAKE:g} of a spacing at most"
+    repeated = f"the liquid displaced by {measure.SHAKE:g} of a spacing at most" + (", another random seed" if random else "")
     return {
         "scene": path.stem,
         "error": what.words,

@@ -51,8 +51,8 @@ def errors_of(times, curves, truth, measure):
 
 
 def headline(errors):
-    """Return the headline error: that of the worst curve, NaN without any."""
-    return max(errors.values(), default=np.nan)
+    """Return the headline error: that of the worst curve, NaN without any, or with one that is none."""
+    return float(np.max([*errors.values()])) if errors else np.nan
 
 
 def temperature(sim):

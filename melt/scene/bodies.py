@@ -203,8 +203,13 @@ class Obstacle(Placed):
 
     @property
     def moves(self):
-        """Whether it moves (a body that moves within itself does, too; one whose force is measured is treated as if it did)."""
-        return any(self.velocity) or any(self.spin) or bool(self.motion) or self.force
+        """Whether its particles are those of a moving body: it is driven, or its force is measured."""
+        return self.driven or self.force
+
+    @property
+    def driven(self):
+        """Whether it moves (a body that moves within itself does, too)."""
+        return any(self.velocity) or any(self.spin) or bool(self.motion)
 
     @model_validator(mode="after")
     def _in_order(self):

@@ -42,7 +42,8 @@ BOILING_PRESETS = {
 }
 #: The same where [heat] says how liquid and solids conduct.
 KETTLE_PRESETS = BOILING_PRESETS | {
-    "physical": {"boiling": {"latent_scale": 1.0, "boost": "boussinesq"}, "heat": {"latent": True, "conductivity_scale": 1.0}},
+    "physical": {"boiling": {"latent_scale": 1.0, "boost": "boussinesq"}, "heat": {"latent": True, "conductivity_scale": 1.0},
+                 "solver": {"melt_to": "own"}},
 }
 #: What the presets mean for a flood (flood spec 2-4, 8).
 FLOOD_PRESETS = {
@@ -71,7 +72,9 @@ SLIME_PRESETS = {
         "viscosity": {"stokes": "split"},
         "solver": {"precision": "single", "dfsph": {"accelerate": False, "warm_start": 0.5, "pull": 0.0}},
     },
-    # latent heat and real heat capacities where it has heat
-    "physical": {"heat": {"law": "physical", "latent": True}, "viscosity": {"stokes": "al"}},
+    # latent heat, real heat capacities and melting that keeps the mass where it has heat
+    "physical": {
+        "heat": {"law": "physical", "latent": True}, "viscosity": {"stokes": "al"}, "solver": {"melt_to": "own", "density_form": "volume"},
+    },
 }
 OPTIONAL_SECTIONS = {"heat", "boiling", "heater", "control", "viscosity"}

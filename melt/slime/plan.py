@@ -91,7 +91,7 @@ def settings_of(scene, initial):
         shift=q.shift * scene.support**2,
         density=scene.fluid.density,
         bodies=[Body.of(o, k) for k, o in enumerate(o for o in scene.obstacle if o.moves)],
-        measured=[(k, o.name or f"obstacle {k}") for k, o in enumerate(o for o in scene.obstacle if o.moves) if o.force],
+        measured=_measured(scene),
         apic_per_node=1 if scene.solver.apic is None else scene.solver.apic.per_axis**scene.domain.dimensions,
         node_volume=scene.particle_volume,
         sigma=scene.fluid.sigma,
@@ -108,6 +108,12 @@ def settings_of(scene, initial):
             viscous_iterations=v.max_iterations,
         )
     return chosen
+
+
+def _measured(scene):
+    """Return (number of the body, name) of each whose force is measured; one without a name goes by its place in the scene."""
+    moving = [(o, o.name or f"obstacle {place}") for place, o in enumerate(scene.obstacle) if o.moves]
+    return [(number, name) for number, (o, name) in enumerate(moving) if o.force]
 
 
 def params_of(scene, particles, real):

@@ -25,7 +25,7 @@ def reachable(scene, initial, settings):
         "a fall through the domain": math.sqrt(2 * float(gravity @ size)),
         "the start": initial.top_speed,
         "an inflow": max((nozzle.speed for nozzle in scene.inflow), default=0.0),
-        "a moving body": max((_fastest(body, reach) for body in getattr(settings, "bodies", ())), default=0.0),
+        "a moving body": max((fastest(body, reach) for body in getattr(settings, "bodies", ())), default=0.0),
         "surface tension": math.sqrt(2 * max(scene.fluid.sigma, 0.0) / (scene.fluid.density * scene.spacing)),
         "elasticity": getattr(settings, "elastic_speed", 0.0),
         "a tenth of the sound speed": 0.1 * settings.sound_speed if scene.solver.pressure == "wcsph" else 0.0,
@@ -35,7 +35,7 @@ def reachable(scene, initial, settings):
     return found[name], name
 
 
-def _fastest(body, reach):
+def fastest(body, reach):
     """Return the largest speed [m/s] of a point of a moving body that is at most ``reach`` from its centre."""
     speeds = body.speeds if body.times.size else body.velocity[None]
     return float(np.linalg.norm(speeds, axis=1).max() + np.linalg.norm(body.spin) * reach)

@@ -129,6 +129,12 @@ def test_physical_preset_keeps_mass_and_has_latent_heat():
     assert scene.solver.density_form == "volume"
 
 
+@pytest.mark.parametrize("name, overrides", [("ice_cube_small", ["solver.pressure=dfsph"]), ("kettle_ice", ["solver.melt_to=none"])])
+def test_physical_preset_keeps_mass_whatever_the_liquid(name, overrides):
+    scene = load_scene(name, overrides, "physical")
+    assert scene.solver.melt_to == "own" and scene.heat.latent and scene.heat.law == "physical"
+
+
 def test_unknown_preset_lists_the_known_ones():
     with pytest.raises(SceneError, match="did you mean paper.*physical"):
         load_scene("ice_cube", preset="papr")

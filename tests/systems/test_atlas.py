@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from melt.atlas import store, sweep
-from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, Alarm
+from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, Alarm, scales_of
 from melt.atlas.maps import Knob, Map, chosen, spread
 from melt.atlas.rows import rows_of
 from melt.atlas.search import factor_of, islands, reach, search
@@ -15,6 +15,7 @@ from melt.geometry.build import build
 from melt.plan import prepare
 from melt.preflight import limits
 from melt.scene import load_scene
+from melt.simulation import Simulation
 
 TINY = """
 [scene]
@@ -67,7 +68,7 @@ def tank(gains):
     return SimpleNamespace(
         series=lambda: series, read=fields.get, gain=lambda: series.update(kinetic_energy=next(energies)),
         initial=SimpleNamespace(top_speed=0.0, nozzles=()),
-        prepared=SimpleNamespace(need=SimpleNamespace(incompressible=False)),
+        prepared=SimpleNamespace(need=SimpleNamespace(incompressible=False), settings=None),
         scene=SimpleNamespace(kind="liquid", spacing=1.0, domain=domain),
     )
 
@@ -164,8 +165,15 @@ def test_killed_sweep_keeps_its_runs_and_goes_on(faked, tmp_path):
     assert sorted(p.name for p in tmp_path.glob("*h5*")) == ["cut.h5", "whole.h5"]
 
 
+def test_speeds_are_judged_by_bodies_that_move():
+    """Nothing else drives this liquid: by a fall of no height all of its runs would fail."""
+    scales = scales_of(Simulation(load_scene("couette"), "cpu"))
+    assert scales.speed == 0.1 and scales.time == pytest.approx(2 * scales.length / 0.1)
+
+
 def test_scenes_have_the_maps_of_their_system():
     assert [m.name for m in chosen(load_scene("kettle_small"), ())] == ["dt-iterations", "dt-diffusivity"]
+    assert [m.name for m in chosen(load_scene("kettle_ice"), ())] == ["dt-iterations"]  # [heat] conducts there
     assert [m.name for m in chosen(load_scene("stoker"), ())] == ["dt-alpha", "dt-depth-ratio"]
     assert [m.name for m in chosen(load_scene("slime_drop"), ())] == ["dt-viscosity", "dt-tension", "dt-elastic"]
     assert spread(0.1, 10)(3) == [0.1, 1.0, 10.0]

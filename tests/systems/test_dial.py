@@ -4,15 +4,17 @@ import math
 
 import numpy as np
 import pytest
+from slime_scenes import slime, square
 
 from melt.dial import choose, measure, sweep, systems
-from melt.dial.exact import EXACT
+from melt.dial.exact import EXACT, plate_speed
 from melt.dial.front import on_front, presets_of
-from melt.dial.vocabulary import Knob, Measure, errors_of
+from melt.dial.vocabulary import Knob, Measure, errors_of, headline
 from melt.errors import MeltError, SceneError
 from melt.scene import load_scene, shipped_scenes
 from melt.scene.fronts import MEASURED, Front, FrontPoint, as_text, front_of_text, front_path, stored_front
 from melt.scene.model import About
+from melt.simulation import Simulation
 
 STORED = {name: front for name, path in shipped_scenes().items() if (front := stored_front(path)) is not None}
 
@@ -46,6 +48,8 @@ def test_error_is_relative_to_the_change_of_the_reference_but_not_below_its_floo
     measure = Measure("", {"x": 1.0, "y": 1.0})
     found = errors_of(t[::2], {"x": truth[::2] + 0.8, "y": np.array([0.1, 0.1, np.nan])}, (t, {"x": truth, "y": 0 * truth}), measure)
     assert found == pytest.approx({"x": 0.1, "y": 0.1})
+    for errors in ({"a": 0.1, "b": math.nan}, {"b": math.nan, "a": 0.1}, {}):
+        assert math.isnan(headline(errors))
 
 
 def test_front_holds_what_no_other_beats_and_presets_follow_their_rules():
@@ -135,6 +139,49 @@ def test_repetitions_differ_from_the_scene_by_a_thousandth_of_a_spacing():
     moved = np.abs(shaken["position"] - still["position"])
     assert 0 < moved.max() <= 1.001e-3 * scene.spacing and moved[1].max() == 0
     assert np.array_equal(shaken["position"], again["position"])
+
+
+@pytest.mark.parametrize("name, overrides", [
+    ("honey_coil_small", ("solver.apic=none",)), ("hydrostatic", ("solver.ghosts=none", "solver.pressure=dfsph")),
+])
+def test_repetitions_have_what_the_candidate_has_and_are_all_shaken(name, overrides, monkeypatch):
+    """A seed of what a knob has taken out would bring it back."""
+    runs = []
+
+    def sample(scene, window, shaken, patience):
+        runs.append((scene, shaken))
+        return measure.Sample(np.zeros(1), {"x": np.zeros(1)}, 1.0, 1.0, 1, 1, 0.5)
+
+    def load(overrides):
+        return load_scene(name, overrides)
+
+    monkeypatch.setattr(measure, "sample", sample)
+    what = Measure("", {}, exact=True)
+    *_, spent = sweep.measured(load, systems.system_of(load([])), Knob("off", "", overrides), [], 1.0, None, what, 3, np.inf)
+    assert [shaken for _, shaken in runs] == [0, 1, 2] and spent == 1.5
+    assert {(scene.solver.apic is None, scene.solver.ghosts is None) for scene, _ in runs} == {
+        ("solver.apic=none" in overrides or name == "hydrostatic", "solver.ghosts=none" in overrides)
+    }
+
+    def slow(*_):
+        raise measure.TooSlow("given up")
+
+    monkeypatch.setattr(measure, "sample", slow)
+    assert sweep.measured(load, systems.system_of(load([])), Knob("off", "", overrides), [], 1.0, None, what, 3, 20.0)[3] == 20.0
+
+
+def test_exact_solutions_hold_wherever_a_scene_has_them():
+    """A patch that turns off the origin, and one that travels too; a plate at rest whose force is measured."""
+    for centre in (0.3, 0.0):
+        patch = {"fill": [square((0, -3), (6, 6))], "flow": {"kind": "rotation", "rate": 2.0, "centre": [centre, 0, 0]}}
+        errors = EXACT["rotation"].errors(Simulation(slime(fluid=patch, solver={"apic": None}), "cpu"))
+        assert max(errors.values()) < 1e-12
+    assert plate_speed(load_scene("couette", ["obstacle.0.force=true"])) == 0.1
+
+
+def test_knobs_of_shifted_particles_load():
+    shifted = ["solver.pressure=isph", "solver.dfsph.shift=0.1"]
+    assert len(systems.candidates(load_scene("taylor_green", shifted), lambda more: load_scene("taylor_green", [*shifted, *more]))) > 8
 
 
 def test_sweep_of_all_scenes_skips_fresh_fronts_and_goes_on_after_a_failure(monkeypatch):

@@ -45,6 +45,13 @@ def test_ice_melts_water_boils_and_no_mass_or_heat_is_missing():
     assert s["boiled_heat"] > s["boiled_mass"] * 4187 * 99
 
 
+def test_heat_of_a_body_that_never_melts_is_booked_with_its_own_specific_heat():
+    """It gets warmer than ice ever is, as what it is."""
+    sim = stepped(kettle("solid.0.temperature=20", "solid.0.melting_point=never"), 12)
+    assert sim.read("temperature")[sim.read("phase") == SOLID].max() > 40
+    assert abs(sim.series()["heat_missing"]) < 1e-12 * sim.do.clock.ledger["start_heat"]
+
+
 def test_heat_that_is_not_booked_shows():
     """The ledger can fail: a degree given to one particle of ice, or of water, is missing at once."""
     for phase in (SOLID, LIQUID):

@@ -28,6 +28,23 @@ def test_the_forces_on_all_bodies_are_what_the_liquid_lacks_of_its_weight(solver
     assert after["force/body/shear_x"] < 0 and after["force/floor/pressure_z"] < 0 < after["force/right/pressure_x"]
 
 
+def test_forces_of_halved_steps_are_means_and_bodies_without_a_name_go_by_their_place():
+    """Water at rest on obstacles: a step in four pieces has the force of one, not four times as much."""
+    sides = [(-0.9, 0.9, -0.3, 0.0), (-0.9, -0.6, 0.0, 1.2), (0.6, 0.9, 0.0, 1.2)]
+    basin = [{"lower": [a, -1, c], "upper": [b, 1, d], "force": k == 0} for k, (a, b, c, d) in enumerate(sides)]
+    solver = {"pressure": "dfsph", "apic": None, "ghosts": None}
+    scene, found = pool(domain={"walls": {"sides": ["none"]}}, obstacle=basin[1:] + basin[:1], solver=solver), {}
+    for halvings in (0, 2):
+        sim = Simulation(scene, "cpu")
+        sim.do.clock.halvings = halvings
+        for _ in range(4):
+            sim.step()
+        s = sim.series()
+        found[halvings] = s["force/obstacle 2/pressure_z"] / (s["mass"] * -9.81)
+        assert s["density_iterations"] >= 2 * 2**halvings
+    assert found[0] == pytest.approx(1, abs=0.2) and found[2] == pytest.approx(1, abs=0.2)
+
+
 def test_liquid_in_an_accelerated_box_moves_with_it():
     """Walls carry the pressure of their acceleration, as they carry that of gravity: no layer lags behind."""
     parts = [(-0.9, 0.9, -0.3, 0.0), (-0.9, 0.9, 1.0, 1.3), (-0.9, -0.6, 0.0, 1.0), (0.6, 0.9, 0.0, 1.0)]
