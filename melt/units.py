@@ -108,6 +108,18 @@ def read(value, quantity):
     return _converted(digits, factor)
 
 
+def duration(text, option, zero=False):
+    """Return a time [s] given for ``option`` of a command: above 0, or of 0 too.
+
+    Raises:
+        UnitError: it is no time, or not one that is allowed.
+    """
+    seconds = read(text, "time")
+    if not (0 <= seconds if zero else 0 < seconds) or seconds == math.inf:
+        raise UnitError(f"{option} {text}: it must be a time {'of 0 s or more' if zero else 'above 0 s'}, such as '{2 if zero else 60} s'")
+    return seconds
+
+
 def _converted(digits, factor, offset=0):
     """Return digits * factor + offset, rounded once: 70 cm and 0.7 m are the same number."""
     number = float(digits)
