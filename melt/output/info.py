@@ -23,7 +23,7 @@ def describe(run_path):
         RunFileError: it cannot be read.
     """
     with open_run(run_path) as run:
-        rows = [("file", f"{run.path}, {_bytes(run.path.stat().st_size)}")]
+        rows = [("file", f"{run.path}, {size(run.path.stat().st_size)}")]
         rows.append(("scene", _scene_name(run.scene_text)))
         rows += _frames(run)
         rows.append(
@@ -101,8 +101,9 @@ def _value(value, unit):
     return f"{value:.6g}" + (f" {unit}" if unit != "1" else "")
 
 
-def _bytes(size):
+def size(count):
+    """Return a number of bytes in words."""
     for unit in ("bytes", "kB", "MB", "GB"):
-        if size < 1000 or unit == "GB":
-            return f"{size:.3g} {unit}" if unit != "bytes" else f"{size} bytes"
-        size /= 1000
+        if count < 1000 or unit == "GB":
+            return f"{count:.3g} {unit}" if unit != "bytes" else f"{count} bytes"
+        count /= 1000
