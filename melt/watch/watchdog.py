@@ -74,6 +74,7 @@ class Watchdog:
         text += _bound(self.sim.do)
         text += f" {self._explained(alarm, begun)}" if w.capsule else ""
         if w.on_unstable == "stop":
+            text += " melt run --on-unstable halve goes back to the last good state instead, and on with half the step."
             raise Unstable(text, alarm.stage, alarm.speed) from alarm
         if halvings >= w.halvings:
             text += f" Steps of {dt / 2**halvings:.3g} s, halved {halvings} times (watch.halvings), do not help: change the scene."
