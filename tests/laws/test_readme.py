@@ -62,3 +62,11 @@ def test_commands_are_known():
     known = set(typer.main.get_command(app).commands)
     named = set(re.findall(r"`melt ([a-z]+)", TEXT))
     assert named and named <= known, named - known
+
+
+def test_figures_are_those_of_the_results_page():
+    from experiments import _headlines
+
+    filled = _headlines.fill(TEXT, (ROOT / "docs" / "results.md").read_text())
+    assert filled == TEXT, "run python -m experiments --report-only"
+    assert filled.count("| yes |") + filled.count("**MISS**") >= 6
