@@ -107,7 +107,7 @@ def said(why, front, point, name, changed=()):
         "on another machine ratios carry over, milliseconds do not",
     ]
     if changed:
-        lines.append(f"  {' and '.join(changed)} come on top: error and cost were measured without them")
+        lines.append(f"  with {' and '.join(changed)} on top, its error and cost are others")
     if facts.get("scene hash") != fingerprint(find_scene(name)):
         lines.append(f"  the scene has changed since its front was measured: melt tradeoff {name} --store measures it again")
     return lines

@@ -35,8 +35,8 @@ def test_plan_says_which_point_was_chosen_and_where_it_sits(tank, options, point
     said = melt("plan", tank, *options).output
     assert said.startswith(f"{options[0].lstrip('-') if options[0] == '--preset' else options[0]} {options[1]}: point '{point}'"), said
     assert error in said and "a machine: on another machine ratios carry over, milliseconds do not" in said
-    assert "changed since" not in said and "come on top" not in said
-    assert "--set and --precision come on top" in melt("plan", tank, *options, "--set", "fluid.alpha=0.1", "--precision", "double").output
+    assert "changed since" not in said and "on top" not in said
+    assert "with --set and --precision on top" in melt("plan", tank, *options, "--set", "fluid.alpha=0.1", "--precision", "double").output
     tank.write_text(tank.read_text().replace('end = "1 s"', 'end = "2 s"'))
     assert "changed since" in melt("plan", tank, *options).output
 
