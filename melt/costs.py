@@ -93,8 +93,15 @@ def has_data(scene):
     return file is None or pathlib.Path(file).is_file()
 
 
-def page():
-    """Return the text of docs/scenes.md; rows of scenes whose measured terrain is not here are left out."""
+def rows_of(text):
+    """Return {scene: its line} of a docs/scenes.md."""
+    lines = [line for line in text.splitlines() if line.startswith("| ")]
+    return {line.split(" | ")[0].removeprefix("| "): line for line in lines[1:]}
+
+
+def page(older=""):
+    """Return the text of docs/scenes.md; scenes whose measured terrain is not here keep the rows that ``older`` has of them."""
+    kept = rows_of(older)
     lines = [
         "# What scenes cost",
         "",
@@ -106,7 +113,8 @@ def page():
         "| scene | requires | particles | stages | fields | bytes per particle | everything on: stages | fields | bytes per particle |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
-    return "\n".join([*lines, *(row(name) for name in shipped_scenes() if has_data(load_scene(name)))]) + "\n"
+    rows = [row(name) if has_data(load_scene(name)) else kept.get(name) for name in shipped_scenes()]
+    return "\n".join([*lines, *filter(None, rows)]) + "\n"
 
 
 def row(name):

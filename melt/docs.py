@@ -66,7 +66,7 @@ def stages_page():
 def main():
     """Write the pages."""
     PAGE.write_text(stages_page())
-    SCENES.write_text(costs.page())
+    SCENES.write_text(costs.page(SCENES.read_text() if SCENES.exists() else ""))
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ class Forecast(NamedTuple):
         if self.mechanics > 0.4 * self.seconds and self.sub_steps > 8:
             parts.append("small sub-steps make it slow: see the time step bounds of melt plan")
         where = f" ({', '.join(parts)})" if parts else ""
-        return f"after compiling, about {_seconds(self.seconds)} on 2 free cores{where}"
+        return f"after compiling, about {in_words(self.seconds)} on 2 free cores{where}"
 
 
 def forecast(scene, initial, prepared, steps=None):
@@ -69,7 +69,7 @@ def forecast(scene, initial, prepared, steps=None):
     return Forecast(steps * (mechanics + heat), steps * mechanics, steps * heat, steps, sub_steps)
 
 
-def _seconds(seconds):
+def in_words(seconds):
     """Return a duration in words: two digits are more than a forecast knows."""
     if seconds < 1:
         return "1 s"

@@ -206,7 +206,7 @@ class Simulation:
 
 def run(
     scene, output=None, backend="auto", precision=None, threads=None, progress=None, overwrite=False,
-    lockstep=None, until=None, on_unstable=None,
+    lockstep=None, until=None, on_unstable=None, facts=None,
 ):
     """Run a scene and write its run file.
 
@@ -219,6 +219,7 @@ def run(
         lockstep: second backend to compare with, stage by stage.
         until: end time in place of the scene's [s].
         on_unstable: ``stop`` or ``halve`` in place of the scene's ``watch.on_unstable``.
+        facts: {name: text} that the provenance of the file shall tell too.
 
     Returns:
         SimpleNamespace with ``simulation``, ``interrupted`` (Ctrl-C ended it) and ``seconds``.
@@ -245,7 +246,7 @@ def run(
     if output is not None:  # before the compiler runs: a bad path must not cost a minute
         if scene.kind == "flood" and not overwrite:
             check_beside(scene, pathlib.Path(output))
-        facts = provenance(chosen.name, precision or scene.solver.precision, threads)
+        facts = provenance(chosen.name, precision or scene.solver.precision, threads) | (facts or {})
         writer = RunWriter(output, scene.to_toml(), facts, overwrite=overwrite)
     try:
         sim = Simulation(scene, chosen, precision, not chosen.on_device, lockstep, initial, progress=say)

@@ -77,6 +77,7 @@ _NUMBER = re.compile(r"\s*([+-]?(?:inf|nan|(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\
 _TOKEN = re.compile(r"\s*(\^-?\d+|[()/]|[^\s()/^]+)")
 _OFFSET = {"K": Fraction("-273.15"), "degC": Fraction(0), "degF": Fraction(-160, 9)}
 _LARGEST_POWER = 9  # of a unit; more is a slip of the pen
+_LONGEST = 1000  # bits of a factor: powers of powers of powers have more than there is memory
 
 
 def read(value, quantity):
@@ -108,6 +109,18 @@ def read(value, quantity):
     return _converted(digits, factor)
 
 
+def duration(text, option, zero=False):
+    """Return a time [s] given for ``option`` of a command: above 0, or of 0 too.
+
+    Raises:
+        UnitError: it is no time, or not one that is allowed.
+    """
+    seconds = read(text, "time")
+    if not (0 <= seconds if zero else 0 < seconds) or seconds == math.inf:
+        raise UnitError(f"{option} {text}: it must be a time {'of 0 s or more' if zero else 'above 0 s'}, such as '{2 if zero else 60} s'")
+    return seconds
+
+
 def _converted(digits, factor, offset=0):
     """Return digits * factor + offset, rounded once: 70 cm and 0.7 m are the same number."""
     number = float(digits)
@@ -131,7 +144,7 @@ def unit_of(text, context=None):
     tokens = _TOKEN.findall(plain)
     try:
         factor, dimension, rest = _product(tokens, context or text)
-    except IndexError:
+    except (IndexError, RecursionError):
         rest = ["end"]
     if rest:
         raise UnitError(f"{context or text!r}: cannot read the unit {text!r}; write for instance 'W/(m^2 K)'")
@@ -157,6 +170,8 @@ def _product(tokens, context):
                 raise UnitError(f"{context!r}: the power {tokens[0]} of a unit is too large, at most {_LARGEST_POWER}")
             power, tokens = sign * int(tokens[0][1:]), tokens[1:]
         factor *= f**power
+        if max(factor.numerator.bit_length(), factor.denominator.bit_length()) > _LONGEST:
+            raise UnitError(f"{context!r}: the powers of its units are too large")
         dimension = tuple(a + power * b for a, b in zip(dimension, d))
         sign = 1
     return factor, dimension, tokens

@@ -54,13 +54,8 @@ def maps_of(scene):
     """Return the maps that apply to a scene."""
     from melt.atlas import boiling, flood, melting, slime
 
-    if scene.kind == "flood":
-        return flood.maps(scene)
-    if scene.incompressible:
-        return slime.maps(scene)
-    if scene.solver.pressure == "wcsph":
-        return melting.maps(scene)
-    return boiling.maps(scene)
+    systems = {"flood": flood, "slime": slime, "melting": melting, "boiling": boiling}
+    return systems[scene.system].maps(scene)
 
 
 def chosen(scene, names):
@@ -71,7 +66,7 @@ def chosen(scene, names):
     """
     known = {m.name: m for m in maps_of(scene)}
     if not known:
-        raise MeltError(f"no map of the atlas applies to {scene.scene.name}: nothing moves in it, and nothing conducts")
+        raise MeltError(f"no map of the atlas applies to {scene.scene.name}: none for solids in incompressible liquids, nor for plain SPH")
     for name in names or ():
         if name not in known:
             close = difflib.get_close_matches(name, known, 1)

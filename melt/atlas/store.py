@@ -13,7 +13,7 @@ import numpy as np
 
 from melt.errors import MeltError
 from melt.output.checkpoint import fingerprint
-from melt.output.errors import output_error, read_error
+from melt.output.errors import check_hdf5, output_error, read_error
 
 
 def picture(out):
@@ -52,13 +52,13 @@ class Kept:
         self.groups = {}  # map -> (attributes, cells)
         if out is None:
             return
-        if self.out.suffix.lower() not in (".h5", ".hdf5"):
-            raise MeltError(f"an atlas is an HDF5 file, not {self.out.name}: name it {self.out.with_suffix('.h5').name}")
-        if self.out.exists() and not overwrite:
-            raise MeltError(f"{self.out} exists: name another file with --output, or give --overwrite")
+        check_hdf5(self.out, "an atlas")
+        for there in (self.out, picture(self.out)):
+            if there.exists() and not overwrite:
+                raise MeltError(f"{there} exists: name another file with --output, or give --overwrite")
         if self.part.exists():
             attrs, groups = read(self.part)
-            if attrs["mark"] == self.attrs["mark"]:
+            if attrs.get("mark") == self.attrs["mark"]:
                 self.groups = groups
             elif not overwrite:
                 raise MeltError(
@@ -82,15 +82,16 @@ class Kept:
             self._write()
 
     def finish(self, plan):
-        """Give the file its name."""
+        """Write the file under its name; runs of other maps, of an earlier sweep, stay in the ``.part``."""
         if self.out is None:
             return
-        self.groups = {m.name: self.groups[m.name] for m in plan}
-        self._write()
-        try:
-            os.replace(self.part, self.out)
-        except OSError as error:
-            raise output_error("write atlas", self.out, error) from error
+        done = {m.name: self.groups.pop(m.name) for m in plan}
+        self._write(self.out, done)
+        self.groups = {name: group for name, group in self.groups.items() if group[1]}
+        if self.groups:
+            self._write()
+        else:
+            self.part.unlink(missing_ok=True)
 
     def close(self, say):
         """Say what is left of a sweep that has not come to its end."""
@@ -98,20 +99,21 @@ class Kept:
             runs = sum(len(cells) for _, cells in self.groups.values())
             say(f"not finished: {runs} runs are kept in {self.part}; the same command goes on from there")
 
-    def _write(self):
-        temporary = self.part.with_name(f".{self.part.name}")
+    def _write(self, path=None, groups=None):
+        path, groups = path or self.part, self.groups if groups is None else groups
+        temporary = path.with_name(f".{path.name}.new")
         try:
             with h5py.File(temporary, "w") as file:
                 file.attrs.update(self.attrs)
-                for name, (attrs, cells) in self.groups.items():
+                for name, (attrs, cells) in groups.items():
                     group = file.create_group(name)
                     group.attrs.update(attrs)
                     for field in Cell._fields:
                         values = [getattr(cell, field) for cell in cells]
                         group[field] = values if values else np.zeros(0)
-            os.replace(temporary, self.part)
+            os.replace(temporary, path)
         except OSError as error:
-            raise output_error("write atlas", self.part, error) from error
+            raise output_error("write atlas", path, error) from error
         finally:
             with contextlib.suppress(OSError):
                 temporary.unlink(missing_ok=True)

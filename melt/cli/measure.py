@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from melt.cli import DIFFERENT, app, console
-from melt.cli.options import Backend
+from melt.cli.options import PRECISIONS, Backend, known
 from melt.errors import MeltError
 
 Out = Annotated[pathlib.Path | None, typer.Option("--output", "-o", help="File for the results (HDF5).")]
@@ -35,13 +35,13 @@ def check(
     if capsule is not None:
         if stages or precisions or out:
             raise MeltError("--capsule has its own stage, inputs and precision: give it alone, or with --backend")
-        _known("backend", backends, (*report.BACKENDS, "cuda"))
+        known("backend", backends, (*report.BACKENDS, "cuda"))
         if replay.main(capsule, backends, console()):
             raise typer.Exit(DIFFERENT)
         return
-    _known("stage", stages, STAGES)
-    _known("backend", backends, (*report.BACKENDS, "cuda"))
-    _known("precision", precisions, report.PRECISIONS)
+    known("stage", stages, STAGES)
+    known("backend", backends, (*report.BACKENDS, "cuda"))
+    known("precision", precisions, PRECISIONS)
     failures = report.main(
         stages or None,
         tuple(backends) if backends else report.BACKENDS,
@@ -78,7 +78,7 @@ def bench(
         bench_screen.run(sizes[0] if sizes else bench_screen.PARTICLES, backend, frames=2 * steps, say=typer.echo)
         return
 
-    _known("precision", [precision], ("single", "mixed", "double"))
+    known("precision", [precision], PRECISIONS)
     if dfsph:
         given = tuple(sizes) if sizes else bench_slime.SIZES
         bench_slime.run(given, backend, precision, support, steps=2 * steps, out=out, say=typer.echo)
@@ -116,9 +116,7 @@ def tradeoff(
         raise MeltError("name one SCENE, or give --all without one")
     if every and out:
         raise MeltError("--output is for one scene: leave it out with --all")
-    options = dict(steps=steps, within=units.read(within, "time"), seeds=seeds, keep=keep, say=typer.echo)
-    if not options["within"] > 0:
-        raise MeltError(f"--within {within}: it must be a time above 0 s, such as '60 s'")
+    options = dict(steps=steps, within=units.duration(within, "--within"), seeds=seeds, keep=keep, say=typer.echo)
     if not every:
         find_scene(scene)
         sweep.run(scene, out, **options)
@@ -141,13 +139,3 @@ def reproduce(
         typer.echo("\n".join(study.names()))
     elif not study.run(name, out, quick, say=typer.echo):
         raise typer.Exit(DIFFERENT)
-
-
-def _known(kind, given, known):
-    for name in given or ():
-        if name not in known:
-            import difflib
-
-            close = difflib.get_close_matches(name, known, 3)
-            hint = f"did you mean {', '.join(close)}?" if close else f"known: {', '.join(known)}"
-            raise MeltError(f"unknown {kind} {name!r}; {hint}")

@@ -1,10 +1,14 @@
 """Options that several commands share."""
 
+import difflib
 import pathlib
 from typing import Annotated
 
 import typer
 
+from melt.errors import MeltError
+
+PRECISIONS = ("single", "mixed", "double")
 BACKENDS = "auto, cpu, cuda, cuda-emulated, cuda-simulated or reference"
 
 SceneName = Annotated[
@@ -31,3 +35,12 @@ Precision = Annotated[
 ]
 Threads = Annotated[int | None, typer.Option("--threads", min=1, help="CPU threads; all cores unless given.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
+
+
+def known(kind, given, names):
+    """Raise `MeltError` for the first name that is not one of ``names``; close ones, or all, are told."""
+    for name in given or ():
+        if name not in names:
+            close = difflib.get_close_matches(name, names, 3)
+            hint = f"did you mean {', '.join(close)}?" if close else f"known: {', '.join(names)}"
+            raise MeltError(f"unknown {kind} {name!r}; {hint}")

@@ -8,7 +8,20 @@ from typing import Annotated
 import typer
 
 from melt.cli import app
-from melt.cli.options import Backend, Budget, MaxError, Overrides, Precision, Preset, Quiet, RunPath, SceneName, Threads
+from melt.cli.options import (
+    PRECISIONS,
+    Backend,
+    Budget,
+    MaxError,
+    Overrides,
+    Precision,
+    Preset,
+    Quiet,
+    RunPath,
+    SceneName,
+    Threads,
+    known,
+)
 from melt.cli.progress import RunProgress
 from melt.errors import MeltError
 
@@ -51,8 +64,8 @@ def run(
     from melt.scene import find_scene
 
     end = _seconds(until)
-    chosen, said = choose(scene, override or (), preset, max_error, budget, end)
-    _precision(precision)
+    known("precision", precision and [precision], PRECISIONS)
+    chosen, said = choose(scene, override or (), preset, max_error, budget, end, precision)
     output = output or pathlib.Path(f"{pathlib.Path(scene).stem}.vtkhdf")
     if output.suffix.lower() in (".mp4", ".png", ".jpg", ".ply", ".obj", ".stl", ".pov"):
         raise MeltError(f"run writes a run file, not a {output.suffix}: name it {output.with_suffix('.vtkhdf')}, then `melt render` it")
@@ -75,6 +88,7 @@ def run(
             lockstep=lockstep,
             until=end,
             on_unstable=on_unstable,
+            facts={"chosen": said[0]} if said else None,
         )
     _end(result, progress, output, lockstep)
 
@@ -130,13 +144,4 @@ def _seconds(text):
         return None
     from melt import units
 
-    seconds = units.read(text, "time")
-    if not 0 <= seconds < float("inf"):
-        raise MeltError(f"--until {text}: it must be a time of 0 s or more, such as '2 s'")
-    return seconds
-
-
-def _precision(name):
-    known = ("single", "mixed", "double")
-    if name is not None and name not in known:
-        raise MeltError(f"unknown precision {name!r}: use {', '.join(known)}")
+    return units.duration(text, "--until", zero=True)

@@ -7,7 +7,7 @@ import typer
 from rich.table import Table
 
 from melt.cli import app, console
-from melt.cli.options import Budget, MaxError, Overrides, Precision, Preset, SceneName
+from melt.cli.options import PRECISIONS, Budget, MaxError, Overrides, Precision, Preset, SceneName, known
 
 
 @app.command("scenes")
@@ -41,7 +41,8 @@ def plan(
     from melt.dial.choose import choose
     from melt.preflight import plan as make_plan
 
-    chosen, said = choose(scene, override or (), preset, max_error, budget)
+    known("precision", precision and [precision], PRECISIONS)
+    chosen, said = choose(scene, override or (), preset, max_error, budget, precision=precision)
     for line in (*said, *make_plan(chosen, precision=precision).lines()):
         typer.echo(line)
 

@@ -34,11 +34,6 @@ BOILING = [
 ]
 
 
-def belongs(scene):
-    """Return whether a scene is of this system."""
-    return scene.kind == "liquid" and scene.solver.pressure in ("pbf", "sph")
-
-
 def knobs(scene):
     """Return the knobs that make a difference in a scene, one at a time."""
     found = KNOBS + (BOILING if scene.boiling else [])

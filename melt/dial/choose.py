@@ -4,7 +4,7 @@ import re
 from typing import NamedTuple
 
 from melt import units
-from melt.dial.report import percent, place, ratio
+from melt.dial.report import percent, place
 from melt.errors import MeltError
 from melt.forecast import forecast
 from melt.geometry.build import build
@@ -20,10 +20,10 @@ class Choice(NamedTuple):
     lines: list
 
 
-def choose(name, overrides=(), preset=None, max_error=None, budget=None, until=None):
+def choose(name, overrides=(), preset=None, max_error=None, budget=None, until=None, precision=None):
     """Return the `Choice` of a scene: its preset, or the point that ``max_error`` ("2%") or ``budget`` ("60 s") selects.
 
-    ``overrides`` come after the point's own; ``until``: end of the run [s], the scene's unless given.
+    ``overrides`` and ``precision`` come after the point's own; ``until``: end of the run [s], the scene's unless given.
 
     Raises:
         MeltError: no front is stored, none of its points qualifies (the nearest is named), or more than one way is given.
@@ -31,18 +31,19 @@ def choose(name, overrides=(), preset=None, max_error=None, budget=None, until=N
     given = [option for option, value in (("--preset", preset), ("--max-error", max_error), ("--budget", budget)) if value is not None]
     if len(given) > 1:
         raise MeltError(f"{' and '.join(given)} each choose a point: give one of them")
+    changed = [option for option, value in (("--set", overrides), ("--precision", precision)) if value]
     if max_error is None and budget is None:
         scene = load_scene(name, overrides, preset)
         front = stored_front(find_scene(name)) if preset in MEASURED and scene.preset != preset else None
-        return Choice(scene, said(f"preset {preset}", front, front.preset(preset), name) if front else [])
+        return Choice(scene, said(f"preset {preset}", front, front.preset(preset), name, changed) if front else [])
     front = stored_front(find_scene(name))
     if front is None:
         raise MeltError(f"{given[0]} chooses from a measured front, and none is stored for {name}: run melt tradeoff {name} --store")
     if max_error is not None:
         point, why = by_error(front, share(max_error)), f"--max-error {max_error}"
     else:
-        point, why = by_time(front, load_scene(name, overrides), units.read(budget, "time"), until), f"--budget {budget}"
-    return Choice(load_scene(name, [*point.overrides, *overrides]), said(why, front, point, name))
+        point, why = by_time(front, load_scene(name, overrides), units.duration(budget, "--budget"), until), f"--budget {budget}"
+    return Choice(load_scene(name, [*point.overrides, *overrides]), said(why, front, point, name, changed))
 
 
 def share(text):
@@ -54,6 +55,8 @@ def share(text):
         value = -1.0
     if not 0 < value < float("inf"):
         raise MeltError(f"--max-error {text}: write a share above 0, such as 2% or 0.02")
+    if value >= 100 and not found[2]:
+        raise MeltError(f"--max-error {text}: without % that is {value:g} %; write {text}%, or a share below 1 such as 0.02")
     return value
 
 
@@ -68,7 +71,7 @@ def by_error(front, limit):
     nearest = min(ranked, key=lambda p: p.at_most)
     raise MeltError(
         f"no stored point is within {percent(limit)}: the nearest is {nearest.point!r} with {percent(nearest.error)}, "
-        f"spread {percent(nearest.spread)}, at {ratio(nearest, front.default)} of default's cost; nothing was run"
+        f"spread {percent(nearest.spread)}, at {nearest.s_per_simulated_s:.3g} s per simulated second; nothing was run"
     )
 
 
@@ -77,6 +80,8 @@ def by_time(front, default, budget, until=None):
 
     The forecast is that of the scene as it is on two free CPU cores, times the measured ratio of the point's cost.
     """
+    if front.default.failure:
+        raise MeltError("the scene as it is did not run when its front was measured, so no cost follows from its forecast: use --max-error")
     initial = build(default)
     steps = default.time.steps if until is None else default.time.steps_to(until)
     seconds = forecast(default, initial, prepare(default, initial), steps).seconds
@@ -93,14 +98,16 @@ def by_time(front, default, budget, until=None):
     )
 
 
-def said(why, front, point, name):
-    """Return the lines that say what was chosen and where on the front it sits."""
+def said(why, front, point, name, changed=()):
+    """Return the lines that say what was chosen and where on the front it sits; ``changed``: options that alter the point."""
     facts = front.facts
     lines = [
         f"{why}: {place(front, point)}",
         f"  error: {facts.get('error')}; measured over {facts.get('simulated')} on {facts.get('date')} with {facts.get('machine')}: "
         "on another machine ratios carry over, milliseconds do not",
     ]
+    if changed:
+        lines.append(f"  with {' and '.join(changed)} on top, its error and cost are others")
     if facts.get("scene hash") != fingerprint(find_scene(name)):
         lines.append(f"  the scene has changed since its front was measured: melt tradeoff {name} --store measures it again")
     return lines

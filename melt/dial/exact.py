@@ -15,10 +15,12 @@ SWING = 20.0  # 1/rate up to which the ellipse is known
 
 
 class Exact(NamedTuple):
-    """What the error is in words, and the function (simulation) -> {name: share}."""
+    """What the error is in words, how it is found, and of which scenes the solution is."""
 
     words: str
-    errors: callable
+    errors: callable  # simulation -> {name: share}
+    of: str  # kind of scene, in words
+    fits: callable  # scene -> whether it is of that kind
 
 
 def _plane(sim):
@@ -128,19 +130,63 @@ def _rest(sim):
     return {"depth": _l1(d, exact, V), "speed": speed}
 
 
+def _liquid(scene, viscous=False):
+    """Return whether a scene is a box of liquid with a pressure, given by its corners."""
+    if scene.system not in ("melting", "slime") or not scene.solver.motion or not scene.fluid.fill:
+        return False
+    return scene.fluid.fill[0].upper is not None and (not viscous or scene.viscosity is not None)
+
+
+def _flow(scene, kind):
+    return scene.system == "slime" and scene.fluid.flow is not None and scene.fluid.flow.kind == kind
+
+
+def _pools(scene, most):
+    return scene.system == "flood" and 1 <= len(scene.fluid.fill) <= most
+
+
 EXACT = {
-    "couette": Exact("L2 error of the velocity against the Fourier series, mean over the run", _between_plates(couette, plate_speed)),
+    "couette": Exact(
+        "L2 error of the velocity against the Fourier series, mean over the run", _between_plates(couette, plate_speed),
+        "viscous liquid in a box ([viscosity]) under an [[obstacle]] that moves",
+        lambda scene: _liquid(scene, viscous=True) and any(o.moves for o in scene.obstacle),
+    ),
     "poiseuille": Exact(
         "L2 error of the velocity against the Fourier series, mean over the run",
         _between_plates(poiseuille, lambda scene: scene.domain.gravity[0]),
+        "viscous liquid in a box ([viscosity]) with gravity along x",
+        lambda scene: _liquid(scene, viscous=True) and scene.domain.gravity[0] != 0,
     ),
-    "vortices": Exact("error of the amplitude of the decaying vortices over that at the start, mean over the run", _vortices),
+    "vortices": Exact(
+        "error of the amplitude of the decaying vortices over that at the start, mean over the run", _vortices,
+        "viscous liquid ([viscosity]) with [fluid.flow] kind = taylor_green",
+        lambda scene: _flow(scene, "taylor_green") and scene.viscosity is not None,
+    ),
     "hydrostatic": Exact(
-        "r.m.s. error of the pressure over rho g H, or r.m.s. speed over sqrt(g H) if worse, mean over the run", _hydrostatic
+        "r.m.s. error of the pressure over rho g H, or r.m.s. speed over sqrt(g H) if worse, mean over the run", _hydrostatic,
+        "liquid in a box with gravity down, and a pressure (not a position based one)",
+        lambda scene: _liquid(scene) and scene.domain.gravity[2] < 0,
     ),
-    "rotation": Exact("loss of energy or of angular momentum, which are conserved, the worse, mean over the run", _rotation),
-    "ellipse": Exact("error of the semi-axis along x over that at the start, mean over the run", _ellipse),
-    "dam": Exact("L1 error of the depth against Ritter's or Stoker's solution, mean over the run", _dam),
-    "pool": Exact("L1 error of the depth against Thacker's solution, mean over the run", _pool),
-    "rest": Exact("L1 error of the depth, or r.m.s. speed over sqrt(g d) if worse, of water that should rest, mean over the run", _rest),
+    "rotation": Exact(
+        "loss of energy or of angular momentum, which are conserved, the worse, mean over the run", _rotation,
+        "liquid with [fluid.flow] kind = rotation", lambda scene: _flow(scene, "rotation"),
+    ),
+    "ellipse": Exact(
+        "error of the semi-axis along x over that at the start, mean over the run", _ellipse,
+        "liquid with [fluid.flow] kind = stretch and fluid.central", lambda scene: _flow(scene, "stretch") and scene.fluid.central > 0,
+    ),
+    "dam": Exact(
+        "L1 error of the depth against Ritter's or Stoker's solution, mean over the run", _dam,
+        "a flood with one or two boxes of water of a depth in [[fluid.fill]], the deep one first",
+        lambda scene: _pools(scene, 2) and all(pool.depth and pool.upper for pool in scene.fluid.fill),
+    ),
+    "pool": Exact(
+        "L1 error of the depth against Thacker's solution, mean over the run", _pool,
+        "a flood with one [[fluid.fill]] whose profile knows its time (thacker_...)",
+        lambda scene: _pools(scene, 1) and (scene.fluid.fill[0].profile or "").startswith("thacker"),
+    ),
+    "rest": Exact(
+        "L1 error of the depth, or r.m.s. speed over sqrt(g d) if worse, of water that should rest, mean over the run", _rest,
+        "a flood with one [[fluid.fill]]", lambda scene: _pools(scene, 1),
+    ),
 }

@@ -36,11 +36,6 @@ KNOBS = [
 ]
 
 
-def belongs(scene):
-    """Return whether a scene is of this system."""
-    return scene.kind == "flood"
-
-
 def _spacing(scene, factor):
     return f"fluid.spacing={factor * scene.fluid.spacing!r}"
 

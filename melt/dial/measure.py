@@ -6,8 +6,8 @@ import io
 import json
 import os
 import pathlib
-import tempfile
 import time
+import zipfile
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +16,8 @@ from melt._compile import KEPT_DAYS, cache_root
 from melt.dial.systems import curves_of
 from melt.errors import MeltError
 from melt.geometry.build import build
+from melt.output.errors import OutputError
+from melt.output.rasters import write_whole
 from melt.physics.phases import LIQUID
 from melt.simulation import Simulation
 
@@ -110,7 +112,7 @@ def reference_run(load, overrides, window, folder=None):
     folder = pathlib.Path(folder) if folder else cache_root() / "references"
     key = json.dumps([scene.to_toml(), window, source_hash()])
     path = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
-    with contextlib.suppress(OSError, ValueError, KeyError):  # not there, or not whole: it is made again
+    with contextlib.suppress(OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):  # not there, or not whole: it is made again
         with np.load(path) as kept:
             curves = {name[2:]: kept[name] for name in kept.files if name.startswith("c:")}
             rest = [kept[name].item() for name in Sample._fields[2:]]
@@ -127,11 +129,9 @@ def _keep(made, path):
     values |= {name: np.array(getattr(made, name)) for name in Sample._fields[2:]}
     packed = io.BytesIO()
     np.savez(packed, **values)
-    with contextlib.suppress(OSError):
+    with contextlib.suppress(OSError, OutputError):
         path.parent.mkdir(parents=True, exist_ok=True)
         for other in path.parent.glob("*.npz"):
             if other.stat().st_mtime < time.time() - KEPT_DAYS * 86400:
                 other.unlink()
-        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-            file.write(packed.getvalue())
-        os.replace(file.name, path)
+        write_whole(path, packed.getvalue())

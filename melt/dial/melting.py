@@ -46,11 +46,6 @@ HEAT = [
 MOTION_REFERENCE = ("solver.precision=double", "fluid.compression=0.00125", "time.n_sub_max=128")
 
 
-def belongs(scene):
-    """Return whether a scene is of this system: all that is not another's."""
-    return True
-
-
 def knobs(scene):
     """Return the knobs that make a difference in a scene, one at a time."""
     moving = MECHANICS + (SOLIDS if scene.solid else []) if scene.solver.motion else []

@@ -3,17 +3,17 @@
 import h5py
 import numpy as np
 
+from melt.forecast import in_words
+from melt.output.errors import output_error
+from melt.output.info import size
 from melt.scene.fronts import MEASURED
-
-UNITS = ("B", "KB", "MB", "GB")
 
 
 def opening(scene, facts, candidates, seconds):
     """Return the lines before the first run: what is compared, and about how long it takes."""
     yield f"{scene.scene.name}: {facts['steps']} outer steps of {scene.time.dt:g} s; error: {facts['error']}"
     yield f"reference: {facts['reference']}"
-    long = f"{seconds:,.0f} s" if seconds < 120 else f"{seconds / 60:,.0f} min"
-    yield f"{candidates} candidates, {facts['seeds']}; about {long} on 2 free cores, and what is not cached compiles first"
+    yield f"{candidates} candidates, {facts['seeds']}; about {in_words(seconds)} on 2 free cores, and what is not cached compiles first"
     yield f"{'point':<34}{'ms/step':>9}{'s per s':>10}{'memory':>9}{'error':>10}{'spread':>10}  single errors"
 
 
@@ -55,18 +55,23 @@ def ratio(point, other):
 
 
 def percent(value):
-    """Return a share in percent with three digits."""
+    """Return a number of percent in words, with three digits."""
     return f"{value:.3g} %" if np.isfinite(value) else "-"
 
 
-def size(count):
-    """Return bytes with a unit."""
-    power = min(3, int(np.log10(max(count, 1)) // 3))
-    return f"{count / 1000**power:.3g} {UNITS[power]}"
-
-
 def write(study, out):
-    """Write a study to HDF5."""
+    """Write a study to HDF5.
+
+    Raises:
+        OutputError: a full disk, no permission.
+    """
+    try:
+        _write(study, out)
+    except OSError as error:
+        raise output_error("write study", out, error) from error
+
+
+def _write(study, out):
     points = study.front.points
     with h5py.File(out, "w") as file:
         file.attrs.update(study.front.facts)

@@ -56,11 +56,6 @@ TIGHT = [
 LOOSE = ("solver.dfsph.density_tolerance=1e-3", "solver.dfsph.divergence_tolerance=1e-2")
 
 
-def belongs(scene):
-    """Return whether a scene is of this system."""
-    return scene.kind == "liquid" and scene.incompressible
-
-
 def _outer_step(scene, factor):
     """Return the overrides of another outer step: of threads and plates it is shorter than most sub-steps need to be."""
     return f"time.dt={factor * scene.time.dt!r}"

@@ -11,13 +11,14 @@ import numpy as np
 from melt.dial import measure, report, systems
 from melt.dial.front import RULES, on_front, presets_of
 from melt.dial.vocabulary import errors_of, headline
-from melt.errors import MeltError
+from melt.errors import MeltError, SceneError
 from melt.forecast import forecast
 from melt.geometry.build import build
+from melt.output.errors import check_hdf5
 from melt.output.provenance import processor, version
 from melt.plan import prepare
 from melt.scene import find_scene, load_scene
-from melt.scene.fronts import Front, FrontPoint, fingerprint, front_path, store, stored_front
+from melt.scene.fronts import Front, FrontPoint, fingerprint, storable, store, stored_front
 
 WITHIN = 120.0  # s of wall time that a whole sweep takes unless given
 FEWEST = 20  # outer steps that say anything: rather than fewer, candidates are left out
@@ -44,7 +45,9 @@ def run(name, out=None, steps=None, within=None, seeds=2, knobs=None, keep=False
         `Study`.
     """
     path, began = find_scene(name), time.perf_counter()
-    for target in ([out] if out else []) + ([front_path(path)] if keep else []):
+    if out:
+        check_hdf5(pathlib.Path(out), "a study")
+    for target in ([out] if out else []) + ([storable(path)] if keep else []):
         _check_writable(target)
     scene = load_scene(name)
     system, what = systems.system_of(scene), systems.measure_of(scene)
@@ -61,7 +64,7 @@ def run(name, out=None, steps=None, within=None, seeds=2, knobs=None, keep=False
         say(line)
     truth, left, slower = None, (within or WITHIN) * 1.5, 1.0
     if not what.exact:
-        made, kept = measure.reference_run(load, reference, window, cache)
+        made, kept = _reference(load, reference, window, cache)
         truth, left = made.truth, left - (0.0 if kept else made.seconds)
         say(f"reference: {made.ms_per_step:.2f} ms a step{', kept from an earlier study' if kept else ''}")
     points, errors, n_subs = [], [], []
@@ -85,8 +88,16 @@ def run(name, out=None, steps=None, within=None, seeds=2, knobs=None, keep=False
         say(f"stored {store(study.front, path)}")
     if out:
         report.write(study, out)
-        report.plot(study, str(out).rsplit(".", 1)[0] + ".png")
+        report.plot(study, pathlib.Path(out).with_suffix(".png"))
     return study
+
+
+def _reference(load, overrides, window, cache):
+    """Return what `measure.reference_run` does; what stops it is told from what stops the scene as it is."""
+    try:
+        return measure.reference_run(load, overrides, window, cache)
+    except MeltError as error:
+        raise MeltError(f"the run that all others are compared with ({'; '.join(overrides)}) does not work: {error}") from error
 
 
 def _check_writable(target):
@@ -94,7 +105,8 @@ def _check_writable(target):
     folder = pathlib.Path(target).absolute().parent
     if folder.name == "fronts" and not folder.exists():  # made when the first one is stored
         folder = folder.parent
-    if not folder.is_dir() or not os.access(folder, os.W_OK) or pathlib.Path(target).is_dir():
+    older = pathlib.Path(target)
+    if not folder.is_dir() or not os.access(folder, os.W_OK) or older.is_dir() or (older.exists() and not os.access(older, os.W_OK)):
         raise MeltError(f"{target} cannot be written: give a file in a folder of yours (a scene's front is stored beside it)")
 
 
@@ -127,7 +139,7 @@ def lay_out(load, knobs, shared, reference, seeds, within, steps=None):
     while steps is None and len(kept) > LEAST and shortest * (first + sum(rates[k.label] for k in kept)) > within:
         kept.pop()
     total = first + sum(rates[k.label] for k in kept)
-    window = steps * default.time.dt if steps else min(longest, max(shortest, within / total))
+    window = steps * default.time.dt if steps else min(longest, max(shortest, within / max(total, 1e-300)))
     window = max(1, int(window / default.time.dt + 1e-6)) * default.time.dt
     return kept, window, {k.label: window * rates[k.label] for k in kept} | {"reference": window * first}
 
@@ -160,7 +172,8 @@ def measured(load, system, knob, shared, window, truth, what, seeds, patience):
             each.append(errors_of(made.times, made.curves, truth, what))
     except MeltError as error:
         slow = isinstance(error, measure.TooSlow)
-        why, spent = ("too slow", spent + patience) if slow else ("unstable", spent)
+        spent += patience if slow else 0.0
+        why = "too slow" if slow else "refused" if isinstance(error, SceneError) else "unstable"
         failed = FrontPoint(knob.label, tuple(knob.overrides), np.nan, np.nan, 0, np.nan, np.nan, failure=f"{why}: {error}")
         return failed, {}, 0, spent
     heads = 100 * np.array([headline(errors) for errors in each])
@@ -203,6 +216,8 @@ def fresh(path):
 def run_all(paths, options):
     """Sweep the scenes of {name: path} that have no fresh front; return the names of those that failed."""
     say, failed = options["say"], []
+    for path in paths.values() if options["keep"] else ():  # before the first scene, not after each
+        storable(path)
     for name, path in paths.items():
         if options["keep"] and fresh(path):
             say(f"{name}: its front is fresh")

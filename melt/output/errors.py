@@ -35,6 +35,12 @@ def output_error(what, path, error):
     return OutputError(f"cannot {what} {path}: {remedy}.")
 
 
+def check_hdf5(path, what):
+    """Raise `OutputError` if the name of a file of results is not that of an HDF5 file: a picture is drawn beside it."""
+    if path.suffix.lower() not in (".h5", ".hdf5"):
+        raise OutputError(f"{what} is an HDF5 file, not {path.name}: name it {path.with_suffix('.h5').name}")
+
+
 def read_error(what, path, error):
     """Return the `RunFileError` for an `OSError` met while opening ``path``."""
     reason = {

@@ -1,13 +1,11 @@
 """What a run file holds, in words: `melt info`."""
 
-import pathlib
-
 import numpy as np
 
-from melt.output.checkpoint import beside
+from melt.output import checkpoint
 from melt.output.run_reader import open_run
 from melt.physics.phases import PHASE_NAMES
-from melt.watch.capsule import beside as capsule_beside
+from melt.watch import capsule
 
 #: What a value does not say by its name, by solver.melt_to.
 MEANING = {
@@ -23,7 +21,7 @@ def describe(run_path):
         RunFileError: it cannot be read.
     """
     with open_run(run_path) as run:
-        rows = [("file", f"{run.path}, {_bytes(run.path.stat().st_size)}")]
+        rows = [("file", f"{run.path}, {size(run.path.stat().st_size)}")]
         rows.append(("scene", _scene_name(run.scene_text)))
         rows += _frames(run)
         rows.append(
@@ -40,10 +38,10 @@ def describe(run_path):
         ]
         rows += [(name.replace("_", " "), str(value)) for name, value in run.provenance.items()]
         rows += _floods(run)
-        checkpoint = beside(run.path)
-        rows.append(("checkpoint", str(checkpoint.name) if checkpoint.exists() else "none"))
-        if (capsule := pathlib.Path(capsule_beside(run.path))).exists():
-            rows.append(("capsule", f"{capsule.name}, of the last alarm: melt check --capsule replays it"))
+        kept = checkpoint.beside(run.path)
+        rows.append(("checkpoint", kept.name if kept.exists() else "none"))
+        if (there := capsule.beside(run.path)).exists():
+            rows.append(("capsule", f"{there.name}, of the last alarm: melt check --capsule replays it"))
     return rows
 
 
@@ -101,8 +99,9 @@ def _value(value, unit):
     return f"{value:.6g}" + (f" {unit}" if unit != "1" else "")
 
 
-def _bytes(size):
+def size(count):
+    """Return a number of bytes in words."""
     for unit in ("bytes", "kB", "MB", "GB"):
-        if size < 1000 or unit == "GB":
-            return f"{size:.3g} {unit}" if unit != "bytes" else f"{size} bytes"
-        size /= 1000
+        if count < 1000 or unit == "GB":
+            return f"{count:.3g} {unit}" if unit != "bytes" else f"{count} bytes"
+        count /= 1000

@@ -231,6 +231,7 @@ class FloodScene(Section):
     """A flood."""
 
     kind: ClassVar[str] = "flood"
+    system: ClassVar[str] = "flood"
     scene: About = Field(default_factory=About)
     preset: str = "default"
     time: Time

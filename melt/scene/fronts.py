@@ -9,13 +9,15 @@ import hashlib
 import io
 import json
 import math
-import os
 import pathlib
-import tempfile
 import tomllib
 from typing import NamedTuple
 
 from melt.errors import MeltError, SceneError
+from melt.output.errors import OutputError
+from melt.output.rasters import write_whole
+
+PACKAGE = pathlib.Path(__file__).resolve().parents[1]
 
 #: Presets that are points of a measured front.
 MEASURED = ("draft", "balanced", "accurate")
@@ -67,7 +69,7 @@ class Front(NamedTuple):
 def front_path(scene_path):
     """Return where the front of the scene file at ``scene_path`` is stored."""
     path = pathlib.Path(scene_path)
-    folders = [place / "data" for place in pathlib.Path(__file__).resolve().parents[1:3]]  # installed, or a source tree
+    folders = [place / "data" for place in (PACKAGE, PACKAGE.parent)]  # installed, or a source tree
     data = next((folder for folder in folders if path.resolve().parent == folder / "scenes"), None)
     return data / "fronts" / f"{path.stem}.csv" if data else path.with_suffix(".front.csv")
 
@@ -96,7 +98,7 @@ def stored_front(scene_path):
         raise SceneError(f"front {path} cannot be read: {error}") from None
     try:
         return front_of_text(text)
-    except (KeyError, ValueError, IndexError, TypeError) as error:
+    except (KeyError, ValueError, IndexError, TypeError, AttributeError, csv.Error) as error:  # a row cut short has None
         raise SceneError(f"front {path} is damaged ({error}): measure it again with melt tradeoff --store") from None
 
 
@@ -140,26 +142,34 @@ def as_text(front):
     return out.getvalue()
 
 
+def storable(scene_path):
+    """Return where the front of a scene file is stored.
+
+    Raises:
+        MeltError: that is inside of an installed melt, which is nobody's to write to, and is gone with the next version.
+    """
+    path = front_path(scene_path)
+    if PACKAGE in path.resolve().parents:
+        raise MeltError(
+            f"{pathlib.Path(scene_path).stem} is a scene of the installed melt, where no front is stored: copy {scene_path} to a folder "
+            "of yours and measure that file"
+        )
+    return path
+
+
 def store(front, scene_path):
     """Write the front of a scene; return where. An older one is replaced whole or not at all.
 
     Raises:
         MeltError: it cannot be written.
     """
-    path = front_path(scene_path)
+    path = storable(scene_path)
     try:
         path.parent.mkdir(exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".tmp", delete=False, encoding="utf-8") as file:
-            try:
-                file.write(as_text(front))
-                file.close()
-                os.chmod(file.name, 0o644)
-                os.replace(file.name, path)
-            except BaseException:
-                os.unlink(file.name)
-                raise
-    except OSError as error:
-        raise MeltError(f"the front cannot be stored as {path} ({error.strerror}): copy the scene to a folder of yours") from None
+        write_whole(path, as_text(front).encode())
+    except (OSError, OutputError) as error:
+        why = (error.__cause__ or error).strerror
+        raise MeltError(f"the front cannot be stored as {path} ({why}): copy the scene to a folder of yours") from None
     return path
 
 

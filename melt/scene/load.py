@@ -96,9 +96,12 @@ def scene_from_dict(data, title="scene", overrides=(), preset=None, folder=None)
         raise SceneError(f"{title}: preset = {chosen!r} is not allowed: it must be the name of one preset")
     known = {**PRESETS, **own}
     if chosen not in known:
-        close = difflib.get_close_matches(str(chosen), known, 1)
+        if chosen in MEASURED:
+            raise SceneError(f"{title}: preset {chosen!r} is a point of its measured front, which no scene names: give --preset {chosen}")
+        close = difflib.get_close_matches(str(chosen), [*known, *MEASURED], 1)
         hint = f"did you mean {close[0]}? " if close else ""
-        raise SceneError(f"{title}: unknown preset {chosen!r}; {hint}known: {', '.join(known)}")
+        measured = f"and {', '.join(MEASURED)} where a front is stored (melt tradeoff)"
+        raise SceneError(f"{title}: unknown preset {chosen!r}; {hint}known: {', '.join(known)}, {measured}")
     data["preset"] = chosen
     for key, value in own.get(chosen, {}).items():
         _assign(data, key, value)

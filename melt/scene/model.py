@@ -265,6 +265,11 @@ class Scene(Section):
         return self.solver.pressure in INCOMPRESSIBLE
 
     @property
+    def system(self):
+        """Which of the systems it is: melting, boiling (position based liquids, too) or slime; floods have models of their own."""
+        return "slime" if self.incompressible else "melting" if self.solver.pressure == "wcsph" else "boiling"
+
+    @property
     def particle_volume(self):
         """Volume of a particle at rest [m^3]; in two dimensions of a metre of depth."""
         return self.domain.spacing**self.domain.dimensions

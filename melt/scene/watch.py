@@ -2,9 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, NonNegativeInt
+from pydantic import Field
 
-from melt.scene.quantities import Positive, PositiveSpeed, Section
+from melt.scene.quantities import Count, Positive, PositiveSpeed, Section
 
 
 class FloodWatch(Section):
@@ -14,7 +14,7 @@ class FloodWatch(Section):
     """On an alarm: stop, or roll back to the last good state and go on with half the step."""
     halvings: Annotated[int, Field(ge=1, le=10)] = 4
     """Halvings of the step at one place after which the run stops all the same: 4 is down to a sixteenth."""
-    quiet: NonNegativeInt = 50
+    quiet: Count = 50
     """Outer steps behind the last alarm after which a halved step is doubled again; 0: it stays halved.
 
     Each doubling makes the next wait twice as long: one splash costs little, and a run that needs short steps for long is

@@ -13,6 +13,7 @@ Compiled code looks at no bounds: a capsule whose checksum is wrong is refused.
 """
 
 import hashlib
+import pathlib
 from typing import NamedTuple
 
 import h5py
@@ -40,7 +41,7 @@ class Capsule(NamedTuple):
 
 def beside(run_path):
     """Return where the capsule of a run file is: ``NAME.vtkhdf.capsule.h5``."""
-    return f"{run_path}.capsule.h5"
+    return pathlib.Path(f"{run_path}.capsule.h5")
 
 
 def write(path, found, scales, scene, **facts):

@@ -74,6 +74,7 @@ class Watchdog:
         text += _bound(self.sim.do)
         text += f" {self._explained(alarm, begun)}" if w.capsule else ""
         if w.on_unstable == "stop":
+            text += " `melt run --on-unstable halve` goes back to the last good state instead, and on with half the step."
             raise Unstable(text, alarm.stage, alarm.speed) from alarm
         if halvings >= w.halvings:
             text += f" Steps of {dt / 2**halvings:.3g} s, halved {halvings} times (watch.halvings), do not help: change the scene."
@@ -112,7 +113,8 @@ class Watchdog:
             size = self._write(found, alarm)
         except (MeltError, OSError, MemoryError) as error:
             return f"No capsule could be written: {error}"
-        return f"{text} Its inputs are in {self.path} ({size / 1e3:.3g} kB); replay them on every backend: melt check --capsule {self.path}"
+        replay = f"replay them on every backend: `melt check --capsule {self.path}`."
+        return f"{text} Its inputs are in {self.path} ({size / 1e3:.3g} kB); {replay}"
 
     def _write(self, found, alarm):
         sim = self.sim

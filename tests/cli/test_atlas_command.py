@@ -23,3 +23,5 @@ def test_files_are_not_lost(tmp_path):
     out.write_text("mine")
     refused(melt("atlas", scene, "-o", out), "--overwrite")
     assert out.read_text() == "mine"
+    out.rename(tmp_path / "b.png")
+    refused(melt("atlas", scene, "-o", tmp_path / "b.h5"), "b.png exists", "--overwrite")

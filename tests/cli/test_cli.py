@@ -98,6 +98,7 @@ def test_help_is_given(cli, word):
         (["plan", "ice_cube", "--preset", "papr"], "did you mean paper"),
         (["run", "tank_small", "--backend", "gpu"], "unknown backend 'gpu'"),
         (["run", "tank_small", "--precision", "half"], "unknown precision 'half'"),
+        (["plan", "tank_small", "--precision", "half"], "unknown precision 'half'"),
         (["run", "tank_small", "--until", "3 kg"], "expected a time"),
         (["run", "tank_small", "--until", "-1"], "time of 0 s or more"),
         (["check", "densty"], "did you mean density"),

@@ -30,11 +30,12 @@ def test_there_is_python_to_run():
     assert blocks("python")
 
 
-def test_relative_links_exist():
-    links = re.findall(r"\]\(([^)#\s]+)", TEXT)
+@pytest.mark.parametrize("page", [README, *GUIDES, ROOT / "CONTRIBUTING.md"], ids=lambda page: page.stem)
+def test_relative_links_exist(page):
+    links = re.findall(r"\]\(([^)#\s]+)", page.read_text())
     relative = [link for link in links if "://" not in link]
-    assert relative
-    missing = [link for link in relative if not (ROOT / link).exists()]
+    assert relative or page != README
+    missing = [link for link in relative if not (page.parent / link).exists()]
     assert not missing, missing
 
 

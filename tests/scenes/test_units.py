@@ -47,6 +47,8 @@ def test_quantity_is_read_in_si(text, quantity, value):
         ("five", "mass", "is not a mass"),
         ("5 W/(m", "conductivity", "cannot read the unit"),
         ("5 kg)", "mass", "cannot read the unit"),
+        ("5 " + "(" * 12 + "km" + "^9)" * 12, "length", "powers of its units are too large"),
+        ("5 " + "(" * 5000 + "km" + ")" * 5000, "length", "cannot read the unit"),
         (True, "length", "is not a length"),
         ([1], "length", "is not a length"),
     ],

@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import pytest
 
@@ -171,9 +172,34 @@ def test_speeds_are_judged_by_bodies_that_move():
     assert scales.speed == 0.1 and scales.time == pytest.approx(2 * scales.length / 0.1)
 
 
+def test_runs_of_other_maps_stay_when_one_is_finished(faked, tmp_path):
+    def swept(*maps):
+        return sweep.run(faked.path, out, maps, rows=3, say=said.append, picture=False, overwrite=True)
+
+    said, out = [], tmp_path / "a.h5"
+    faked.at_most[0] = 5
+    with pytest.raises(KeyboardInterrupt):
+        swept("dt-viscosity")
+    faked.at_most[0] = -1
+    swept("dt-stiffness")
+    assert "5 runs are kept" in said[-1] and list(store.read(out)[1]) == ["dt-stiffness"]
+    assert len(store.read(tmp_path / "a.h5.part")[1]["dt-viscosity"][1]) == 5
+    swept("dt-viscosity")
+    assert list(store.read(out)[1]) == ["dt-viscosity"] and not (tmp_path / "a.h5.part").exists()
+
+
+def test_a_part_of_something_else_is_not_taken_for_a_sweep(faked, tmp_path):
+    with h5py.File(tmp_path / "a.h5.part", "w"):
+        pass
+    with pytest.raises(MeltError, match="left from a sweep of another scene"):
+        sweep.run(faked.path, tmp_path / "a.h5", ["dt-stiffness"], say=print)
+
+
 def test_scenes_have_the_maps_of_their_system():
     assert [m.name for m in chosen(load_scene("kettle_small"), ())] == ["dt-iterations", "dt-diffusivity"]
     assert [m.name for m in chosen(load_scene("kettle_ice"), ())] == ["dt-iterations"]  # [heat] conducts there
     assert [m.name for m in chosen(load_scene("stoker"), ())] == ["dt-alpha", "dt-depth-ratio"]
     assert [m.name for m in chosen(load_scene("slime_drop"), ())] == ["dt-viscosity", "dt-tension", "dt-elastic"]
+    with pytest.raises(MeltError, match="none for solids in incompressible liquids"):
+        chosen(load_scene("ice_dfsph"), ())
     assert spread(0.1, 10)(3) == [0.1, 1.0, 10.0]

@@ -11,7 +11,7 @@ from melt.dial.exact import EXACT, plate_speed
 from melt.dial.front import on_front, presets_of
 from melt.dial.vocabulary import Knob, Measure, errors_of, headline
 from melt.errors import MeltError, SceneError
-from melt.scene import load_scene, shipped_scenes
+from melt.scene import fronts, load_scene, shipped_scenes
 from melt.scene.fronts import MEASURED, Front, FrontPoint, as_text, front_of_text, front_path, stored_front
 from melt.scene.model import About
 from melt.simulation import Simulation
@@ -28,6 +28,8 @@ def test_dial_of_every_shipped_scene_loads_and_names_its_error(name):
     scene = load_scene(name)
     system, what = systems.system_of(scene), systems.measure_of(scene)
     knobs = systems.candidates(scene, lambda overrides: load_scene(name, overrides))
+    for knob in (*system.combined(scene), *system.knobs(scene)):  # none of a shipped scene is left out for being refused
+        load_scene(name, [*system.shared(scene), *knob.overrides])
     labels = [knob.label for knob in knobs]
     assert labels[0] == "default" and len(labels) == len(set(labels)) >= 8
     assert sum(label.startswith("combined") for label in labels) >= 2
@@ -41,6 +43,26 @@ def test_dial_of_every_shipped_scene_loads_and_names_its_error(name):
 def test_scenes_can_name_each_exact_solution_and_no_other():
     names = About.model_fields["exact"].annotation.__args__[0].__args__
     assert set(names) == set(EXACT) == {load_scene(name).scene.exact for name in shipped_scenes()} - {None}
+
+
+@pytest.mark.parametrize("exact", EXACT)
+def test_a_solution_of_another_scene_is_refused_with_what_it_is_of(exact):
+    for name in ("tank_small", "kettle_small", "rough_terrain", "stoker", "couette"):
+        scene = load_scene(name, [f"scene.exact={exact}"])
+        if not EXACT[exact].fits(scene):
+            with pytest.raises(SceneError, match=f"scene.exact = '{exact}' is of "):
+                systems.measure_of(scene)
+    assert sum(EXACT[exact].fits(load_scene(name)) for name in shipped_scenes() if load_scene(name).scene.exact == exact) >= 1
+
+
+def test_knobs_that_a_scene_of_ones_own_refuses_are_left_out():
+    def load(overrides):
+        if any("heat.solver" in text for text in overrides):
+            raise SceneError("heat.solver is not for this scene")
+        return load_scene("ice_cube_small", overrides)
+
+    labels = [knob.label for knob in systems.candidates(load([]), load)]
+    assert "heat sub-steps 4" in labels and not any("heat solver" in label for label in labels)
 
 
 def test_error_is_relative_to_the_change_of_the_reference_but_not_below_its_floor():
@@ -107,10 +129,13 @@ def test_sweep_of_a_scene_of_ones_own_stores_its_front_and_keeps_its_reference(t
     knobs += [Knob("bad", "", ("domain.gravity=[0, 0, -1e30]",))]
     with pytest.raises(MeltError, match="cannot be written"):
         sweep.run(path, out=tmp_path / "nowhere" / "s.h5", knobs=knobs)
+    with pytest.raises(MeltError, match="a study is an HDF5 file, not my.toml"):
+        sweep.run(path, out=path, knobs=knobs)
     said = []
     options = dict(steps=3, seeds=2, knobs=knobs, cache=tmp_path / "cache", say=said.append)
     first = sweep.run(path, keep=True, out=tmp_path / "s.h5", **options)
     second = sweep.run(path, **options)
+    assert not [p for p in tmp_path.rglob("*") if p.suffix in (".part", ".tmp")]
     assert not any("kept from" in line for line in said[: len(said) // 2]) and any("kept from" in line for line in said)
     assert front_path(path) == tmp_path / "my.front.csv" and (tmp_path / "s.png").exists()
     stored = stored_front(path)
@@ -121,6 +146,36 @@ def test_sweep_of_a_scene_of_ones_own_stores_its_front_and_keeps_its_reference(t
     assert sweep.fresh(path) and load_scene(path, preset="draft") == load_scene(path, stored.preset("draft").overrides)
     path.write_text(path.read_text().replace('dt = "5 ms"', 'dt = "4 ms"'))
     assert not sweep.fresh(path)
+
+
+def test_a_reference_run_that_fails_is_told_from_the_scene(tmp_path):
+    bad = ["domain.gravity=[0, 0, -1e30]"]
+    with pytest.raises(MeltError, match="all others are compared with .* does not work"):
+        sweep._reference(lambda overrides: load_scene("tank_small", overrides), bad, 0.01, tmp_path)
+
+
+@pytest.mark.parametrize("spoilt", [b"", b"PK", b"PK\x03\x04 half of it", b"words"])
+def test_a_kept_reference_that_is_not_whole_is_made_again(spoilt, tmp_path):
+    def made():
+        return measure.reference_run(lambda overrides: load_scene("couette", overrides), [], 0.001, tmp_path)
+
+    first, kept = made()
+    assert not kept and made()[1]
+    (path,) = tmp_path.glob("*.npz")
+    path.write_bytes(spoilt)
+    again, kept = made()
+    assert not kept and np.array_equal(again.times, first.times)
+
+
+def test_an_installed_melt_is_not_written_to(tmp_path, monkeypatch):
+    scene = tmp_path / "melt" / "data" / "scenes" / "tank_small.toml"
+    scene.parent.mkdir(parents=True)
+    scene.write_text(shipped_scenes()["tank_small"].read_text())
+    monkeypatch.setattr(fronts, "PACKAGE", tmp_path / "melt")
+    for store in (lambda: sweep.run(scene, keep=True), lambda: sweep.run_all({"a": scene}, {"keep": True, "say": print})):
+        with pytest.raises(MeltError, match="tank_small is a scene of the installed melt.* copy .* to a folder of yours"):
+            store()
+    assert front_path(scene) == tmp_path / "melt" / "data" / "fronts" / "tank_small.csv" and not front_path(scene).parent.exists()
 
 
 def test_own_preset_of_a_scene_goes_before_the_measured_one(tmp_path):
