@@ -1,8 +1,11 @@
 """Colours of fields: piecewise linear maps with a range and a unit. Melting spec 2.8."""
 
+import difflib
 from typing import NamedTuple
 
 import numpy as np
+
+from melt.output.errors import OutputError
 
 #: cold blue, yellow, hot red
 TEMPERATURE = ((0.10, 0.34, 0.86), (0.99, 0.85, 0.28), (0.85, 0.10, 0.08))
@@ -53,11 +56,19 @@ def values_of(frame, field):
 
 
 def choose(run, field, sample=12):
-    """Return the `Colouring` of a run: ``field``, or what the run has in its place.
+    """Return the `Colouring` of a run: ``field``, or of temperature and speed what the run has in their place.
 
     Its range is that of the data over up to ``sample`` frames, walls left out.
+
+    Raises:
+        OutputError: the run has no such field.
     """
     has = set(run.fields)
+    known = sorted({"temperature", "speed", "phase", *has} - {"position"})
+    if field not in known:
+        close = difflib.get_close_matches(field, known, 1)
+        hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}"
+        raise OutputError(f"the run has no field {field!r} to colour by; {hint}")
     field = next(
         (f for f in (field, "temperature") if f in has or (f == "speed" and "velocity" in has)), None
     )

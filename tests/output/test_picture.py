@@ -191,3 +191,9 @@ def test_domain_box_that_is_drawn_fits_whole_into_the_picture(tmp_path, view):
     corners = np.array([[painter.box[b][k] for k, b in enumerate(bits)] for bits in np.ndindex(2, 2, 2)])
     pixels = painter.camera.pixels(corners)
     assert (pixels >= 0).all() and (pixels <= [640, 360]).all()
+
+
+def test_a_field_that_the_run_has_not_is_refused(tmp_path):
+    run = open_run(drop_and_cube(tmp_path / "run.vtkhdf"))
+    with pytest.raises(OutputError, match="did you mean temperature"):
+        colours.choose(run, "temprature")
