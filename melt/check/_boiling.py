@@ -117,6 +117,12 @@ def fields(arrays, rng):
     )
 
 
+def with_unequal_masses(arrays):
+    """Return the scene with another mass for each particle, as where liquid comes from several solids."""
+    share = np.random.default_rng(len(arrays["mass"])).uniform(0.7, 1.3, arrays["mass"].shape)
+    return {**arrays, "mass": arrays["mass"] * share}
+
+
 def _by_id(slots, ids):
     return slots[np.argsort(ids[slots])]
 

@@ -210,6 +210,8 @@ def _adapted(stage_name, arrays, grid, choice):
         arrays = _slime_apic.with_particles(arrays, grid, STAGES[stage_name].file, "length_x" in choice)
     if STAGES[stage_name].file in _slime_ghosts.FILES:
         arrays = _slime_ghosts.adapted(arrays, grid, choice)
+    if stage_name == "boiled_sums":
+        arrays = _boiling.with_unequal_masses(arrays)
     if stage_name == "fill_regions":
         arrays = _sites.after_melting(arrays)
     if stage_name == "mark_frozen":

@@ -65,7 +65,7 @@ def place(
     wet = np.where(raster.volume > THIN * d * raster.wet, raster.wet, 0.0)
     share, part = (raster.volume, spacing**2 * d) if layout == "equal_mass" else (wet, spacing**2)
     count = share.sum() / part
-    affordable(count, "columns of this depth")
+    affordable(count, "columns of this depth", "fluid.spacing")
     x = raster.draw(share, max(round(count), 1), random)
     x = _jitter(x, raster, lower, upper, jitter * spacing, d if layout == "equal_mass" else None, random)
     x = relax_columns(x, raster, share, lower, upper, relax)

@@ -35,7 +35,7 @@ def sample(placed, domain, name, notes):
     return cells[:, np.lexsort((cells[0], cells[1], cells[2]))]
 
 
-def affordable(count, name):
+def affordable(count, name, spacing="domain.spacing"):
     """Refuse to sample more than `MOST_CELLS` cells, before anything is allocated.
 
     Raises:
@@ -44,7 +44,7 @@ def affordable(count, name):
     if not count <= MOST_CELLS:
         raise GeometryError(
             f"{name}: {float(count):.3g} lattice cells, more than the {MOST_CELLS:,} that fit: check its size (m), "
-            "or raise the spacing"
+            f"or raise {spacing}"
         )
 
 
