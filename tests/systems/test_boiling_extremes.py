@@ -1,10 +1,5 @@
 """Spec 6 of boiling: long steps, empty and full pools, bubbles and tanks of all sizes, particles at one place."""
 
-#: What these starts set off at once; here is looked at what comes after.
-ALARMS = ("speed", "density_error")
-UNWATCHED = [f"watch.{name}=off" for name in ALARMS]
-
-
 import numpy as np
 import pytest
 from boiling_scenes import AT_ONCE, HOT, D, N, bits, pot, sound, stepped, tank, warnings_of
@@ -19,6 +14,10 @@ from melt.plan import prepare
 from melt.position_based import bottom_compression
 from melt.preflight import plan
 from melt.simulation import Simulation
+
+#: What these starts set off at once; here is looked at what comes after.
+ALARMS = ("speed", "density_error")
+UNWATCHED = [f"watch.{name}=off" for name in ALARMS]
 
 # ---- time step
 
