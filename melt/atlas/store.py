@@ -3,8 +3,6 @@
 Every finished cell is written to a temporary name that is then renamed, so a kill at any moment leaves a whole ``.part``.
 """
 
-import contextlib
-import os
 import pathlib
 from typing import NamedTuple
 
@@ -13,7 +11,8 @@ import numpy as np
 
 from melt.errors import MeltError
 from melt.output.checkpoint import fingerprint
-from melt.output.errors import check_hdf5, output_error, read_error
+from melt.output.errors import check_hdf5, read_error
+from melt.output.whole import whole
 
 
 def picture(out):
@@ -101,22 +100,14 @@ class Kept:
 
     def _write(self, path=None, groups=None):
         path, groups = path or self.part, self.groups if groups is None else groups
-        temporary = path.with_name(f".{path.name}.new")
-        try:
-            with h5py.File(temporary, "w") as file:
-                file.attrs.update(self.attrs)
-                for name, (attrs, cells) in groups.items():
-                    group = file.create_group(name)
-                    group.attrs.update(attrs)
-                    for field in Cell._fields:
-                        values = [getattr(cell, field) for cell in cells]
-                        group[field] = values if values else np.zeros(0)
-            os.replace(temporary, path)
-        except OSError as error:
-            raise output_error("write atlas", path, error) from error
-        finally:
-            with contextlib.suppress(OSError):
-                temporary.unlink(missing_ok=True)
+        with whole(path, "write atlas") as temporary, h5py.File(temporary, "w") as file:
+            file.attrs.update(self.attrs)
+            for name, (attrs, cells) in groups.items():
+                group = file.create_group(name)
+                group.attrs.update(attrs)
+                for field in Cell._fields:
+                    values = [getattr(cell, field) for cell in cells]
+                    group[field] = values if values else np.zeros(0)
 
 
 def cells_of(group):

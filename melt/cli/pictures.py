@@ -34,7 +34,7 @@ def gauges(
     if output is None:
         typer.echo(text, nl=False)
         return
-    from melt.output.rasters import write_whole
+    from melt.output.whole import write_whole
 
     write_whole(output, text.encode())
     typer.echo(f"{output} written", err=True)

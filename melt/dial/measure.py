@@ -17,7 +17,7 @@ from melt.dial.systems import curves_of
 from melt.errors import MeltError
 from melt.geometry.build import build
 from melt.output.errors import OutputError
-from melt.output.rasters import write_whole
+from melt.output.whole import write_whole
 from melt.physics.phases import LIQUID
 from melt.simulation import Simulation
 

@@ -158,7 +158,8 @@ def write_run_frame(run, k, out, field="temperature", phase="all", view="iso", s
         phase: all, liquid or solid. field: carried to the vertices. view, size: camera of a POV-Ray scene.
         options: of `surface_mesh.reconstruct`: reach, radius, node, correct, backend.
     """
-    from melt.output.picture import Painter, whole
+    from melt.output.picture import Painter
+    from melt.output.whole import whole
 
     if phase not in ("all", "liquid", "solid"):
         raise OutputError(f"unknown phase '{phase}': use all, liquid or solid.")

@@ -1,7 +1,5 @@
 """Pictures and videos of runs: shaded particles or surfaces, coloured by a field."""
 
-import contextlib
-import os
 import pathlib
 import shutil
 import tomllib
@@ -13,11 +11,12 @@ from melt.output import camera as cameras
 from melt.output import colours, mesh_files, shade, surface_mesh
 from melt.output import gas as gases
 from melt.output.annotate import annotate, edges
-from melt.output.errors import OutputError, output_error
+from melt.output.errors import OutputError
 from melt.output.flood_picture import FloodPainter
 from melt.output.run_reader import Run, open_run
 from melt.output.screen_run import ScreenLiquid
 from melt.output.shade import Spheres, Stage
+from melt.output.whole import whole
 from melt.physics.phases import BUBBLE, LIQUID, PHASE_NAMES, SOLID, VAPOUR, WALL
 
 
@@ -244,22 +243,6 @@ def _cut_short(path, frames):
         f"cannot write {path}: ffmpeg stopped after {frames} frames, of which nothing is left; the disk "
         f"has {free / 1e6:.3g} MB free. Free some space, or name another place with --output."
     )
-
-
-@contextlib.contextmanager
-def whole(path):
-    """Yield a temporary name beside ``path`` that becomes ``path`` if all went well."""
-    path = pathlib.Path(path)
-    temporary = path.with_name(f".{path.stem}.part{path.suffix}")
-    try:
-        temporary.touch()  # a bad place must not cost the drawing
-        yield temporary
-        os.replace(temporary, path)
-    except OSError as error:
-        raise output_error("write", path, error) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 def render(run_path, out, frame=-1, **options):

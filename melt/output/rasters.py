@@ -1,14 +1,13 @@
 """Rasters of a flood on the terrain's grid: GeoTIFF (rasterio) or ESRI ASCII, georeferenced as the terrain was."""
 
-import contextlib
 import io
-import os
 import pathlib
 import warnings
 
 import numpy as np
 
-from melt.output.errors import OutputError, output_error
+from melt.output.errors import OutputError
+from melt.output.whole import write_whole
 
 
 def raster_suffix():
@@ -55,25 +54,6 @@ def write_raster(path, values, grid, nodata=-9999.0, unit=None):
             write_whole(path.with_suffix(".prj"), _prj(grid.crs).encode())
     else:
         write_whole(path, _geotiff(path, north, grid, nodata, unit))
-
-
-def write_whole(path, data):
-    """Write bytes under a temporary name beside ``path`` and rename it when they are on the disk."""
-    path = pathlib.Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        if path.is_dir():
-            raise IsADirectoryError(21, "is a directory")
-        with open(temporary, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except OSError as error:
-        raise output_error("write", path, error) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 def _geotiff(path, north, grid, nodata, unit):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from melt.output.rasters import write_whole
+from melt.output.whole import write_whole
 
 MOST_NODES = 1_000_000  # of the surface; a finer terrain is thinned to every second, third ... node
 

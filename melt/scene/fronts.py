@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from melt.errors import MeltError, SceneError
 from melt.output.errors import OutputError
-from melt.output.rasters import write_whole
+from melt.output.whole import write_whole
 
 PACKAGE = pathlib.Path(__file__).resolve().parents[1]
 

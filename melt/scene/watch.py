@@ -28,6 +28,6 @@ class Watch(FloodWatch):
     """Watchdog: values that are not finite, speeds and density errors beyond reason, solves that do not converge."""
 
     speed: PositiveSpeed | Literal["auto", "off"] = "auto"
-    """A faster particle is an alarm; "auto": far above what falls, flows in or is driven in the scene (`melt.watch.alarms`)."""
+    """A faster particle is an alarm; "auto": far above what falls, flows in or is driven in the scene; none with pressure = pbf."""
     density_error: Positive | Literal["off"] = 0.5
     """A larger mean compression of the liquid, rho/rho_0 - 1 with 0 for what is less dense, is an alarm."""

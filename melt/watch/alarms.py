@@ -44,12 +44,15 @@ def fastest(body, reach):
 def bounds_of(scene, initial, settings):
     """Return {"speed": [m/s], "density": mean compression}, infinity for what is not watched.
 
-    A flood has solver.top_speed, which its step page holds, and no density.
+    A flood has solver.top_speed, which its step page holds, and no density. A position based liquid has no automatic bound of
+    the speed: its step cuts what moves too far, and what boils by the paper's rules throws its water out faster than any fall.
     """
     if scene.kind == "flood" or not scene.solver.motion:
         return {"speed": math.inf, "density": math.inf}
     w = scene.watch
-    speed = SPEED_FACTOR * reachable(scene, initial, settings)[0] if w.speed == "auto" else w.speed
+    speed = w.speed
+    if speed == "auto":
+        speed = "off" if scene.solver.pressure == "pbf" else SPEED_FACTOR * reachable(scene, initial, settings)[0]
     return {"speed": math.inf if speed == "off" else speed, "density": math.inf if w.density_error == "off" else w.density_error}
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from melt import params as tuples
 from melt.output.errors import RunFileError, read_error
 from melt.output.provenance import provenance
-from melt.output.rasters import write_whole
+from melt.output.whole import write_whole
 from melt.stages import STAGES
 
 KIND, VERSION = "melt capsule", 1

@@ -7,7 +7,7 @@ from small_runs import SCENE, melt, refused
 
 from melt.cli import DIFFERENT
 from melt.cpu import motion
-from melt.output.rasters import write_whole
+from melt.output.whole import write_whole
 from melt.watch import capsule
 
 

@@ -52,7 +52,7 @@ LEDGERS = {
     "_viscous.dot", "viscous._pair_shear", "viscous._right_side", "viscous_cg._viscous_step", "viscous_cg._preconditioned",
     "viscous_cg._viscous_turn", "viscous_cg._keep_sums",
 }
-LEDGERS |= {"dfsph._pressure_error", "dfsph_source._source_mean"}
+LEDGERS |= {"dfsph._pressure_error", "dfsph_source._source_mean", "load._pressure_load", "load._shear_load", "bubble_birth._boiled_sums"}
 
 
 def test_single_precision_kernels_have_no_double_precision_instructions(single):

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from melt.geometry.terrain import load_terrain
-from melt.output import rasters
 from melt.output.errors import OutputError
 from melt.output.rasters import raster_suffix, write_raster
 from melt.output.terrain_file import write_terrain
@@ -122,7 +121,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(suffix, code, said,
     def fail(*_):
         raise OSError(code, os.strerror(code))
 
-    monkeypatch.setattr(rasters.os, "fsync", fail)
+    monkeypatch.setattr(os, "fsync", fail)
     with pytest.raises(OutputError, match=said):
         write_terrain(path, grid) if suffix == ".vtkhdf" else write_raster(path, grid.elevation, grid)
     assert path.read_text() == "old"

@@ -12,8 +12,6 @@ _BOX = {
 }
 _MATTER = {"latent_heat": 3e5, "conductivity": 2.0, "specific_heat": 2000.0}
 _FLAT = {**_BOX["domain"], "lower": [0.0, 0.0, 0.0], "dimensions": 2}
-#: Places drawn at random push each other apart faster than anything falls.
-_CROWDED = {"speed": "off"}
 SCENES = {
     "melting": {
         **_BOX,
@@ -22,12 +20,9 @@ SCENES = {
         "solid": [{"position": [0.15, 0.2, 0.2], "size": [0.1, 0.2, 0.2], "anchor": "base", "density": 900.0, **_MATTER}],
         "solver": {"precision": "double"},
     },
-    "position based": {
-        **_BOX, "solver": {"pressure": "pbf", "precision": "double", "pbf": {"xsph": 12.0, "vorticity": 0.1}},
-        "watch": _CROWDED,
-    },
+    "position based": {**_BOX, "solver": {"pressure": "pbf", "precision": "double", "pbf": {"xsph": 12.0, "vorticity": 0.1}}},
     "boiling": {
-        **_BOX, "fluid": {**_BOX["fluid"], "temperature": 99.9}, "watch": _CROWDED,
+        **_BOX, "fluid": {**_BOX["fluid"], "temperature": 99.9},
         "solver": {"pressure": "pbf", "precision": "double", "pbf": {"xsph": 12.0}},
         "boiling": {
             "diffusivity": 6e-3, "specific_heat": 4186.0, "latent_heat": 2e6, "latent_scale": 0.0, "nucleation_time": 0.002,
