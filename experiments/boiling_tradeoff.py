@@ -5,16 +5,12 @@ still has a meaning: compression of the lowest three layers, height of the surfa
 liquid that has boiled, the worst of them as an r.m.s. distance from the reference run over one second.
 """
 
-from experiments import tradeoff_knobs
+from experiments._tradeoff import report as report
+from experiments._tradeoff import sweep
 
 SCENES = {"kettle_small": 240}
 
 
 def run(out, quick=False, say=print):
     """Sweep the scene (``quick``: three candidates, 5 steps)."""
-    tradeoff_knobs.sweep(out, {name: 5 if quick else steps for name, steps in SCENES.items()}, quick, say)
-
-
-def report(path):
-    """Return one row per point."""
-    return tradeoff_knobs.report(path)
+    sweep(out, {name: 5 if quick else steps for name, steps in SCENES.items()}, quick, say)

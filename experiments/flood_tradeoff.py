@@ -5,8 +5,9 @@ period). Of the Monai valley the first 5 s, before its wave breaks: centre, spre
 of half the spacing in double precision. Milliseconds are those of an outer step of several sub-steps.
 """
 
-from experiments import tradeoff_knobs
 from experiments._flood_data import monai
+from experiments._tradeoff import report as report
+from experiments._tradeoff import sweep
 
 SCENES = {"parabolic_bowl": 60, "monai": 100}
 
@@ -16,9 +17,4 @@ def run(out, quick=False, say=print):
     scenes = {name: 5 if quick else steps for name, steps in SCENES.items()}
     if quick or monai() is None:
         scenes.pop("monai")
-    tradeoff_knobs.sweep(out, scenes, quick, say)
-
-
-def report(path):
-    """Return one row per point."""
-    return tradeoff_knobs.report(path)
+    sweep(out, scenes, quick, say)

@@ -57,13 +57,11 @@ def cost_of(scene):
 
 def switches_of(scene):
     """Return the overrides that may switch on what a scene lacks, in words of its system."""
-    if scene.kind == "flood":
-        return FLOOD
-    if scene.boiling is not None:
-        return BOILING
-    if scene.incompressible and not scene.solid:
-        return SLIME
-    return [_ice(scene), *MELTING] if not scene.solid and scene.solver.motion else MELTING
+    if scene.system == "melting":
+        return [_ice(scene), *MELTING] if not scene.solid and scene.solver.motion else MELTING
+    if scene.system == "slime" and scene.solid:  # ice in an incompressible liquid may have what melts, and little of what flows
+        return MELTING
+    return {"flood": FLOOD, "boiling": BOILING, "slime": SLIME}[scene.system]
 
 
 def _ice(scene):

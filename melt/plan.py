@@ -207,7 +207,7 @@ def prepare(scene, initial, precision=None):
         only_if.update(slime_plan.ONLY_IF)
         if not scene.solid:
             system = slime
-    elif scene.solver.pressure != "wcsph":
+    elif scene.system == "boiling":
         system, warning = boiling, ""
         _boiling(scene, initial, need, settings, params, REAL[precision])
     page = system.step if scene.solver.motion else melting.still_step

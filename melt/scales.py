@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from melt.flood import plan as flood_plan
+from melt.flood import scales as flood
 from melt.slime import scales as slime
 
 
 def scales_of(scene, initial, settings):
     """Return the natural scale of each kind of field, for comparing backends on a live run."""
     if scene.kind == "flood":
-        return flood_plan.scales_of(scene, initial)
+        return flood.natural(scene, initial)
     dx, rho, cs = scene.spacing, scene.fluid.density, settings.sound_speed
     mass = rho * dx**3
     T = initial["temperature"] if "temperature" in initial else np.array([0.0, 1.0])
@@ -46,7 +46,7 @@ def scales_of(scene, initial, settings):
         "bubble_push": mass * 0.1 * cs * dx**3,
         "rate2": (0.1 * cs / dx) ** 2,
     }
-    return slime.scales_of(scene, found) if scene.incompressible else found
+    return slime.amended(scene, found) if scene.incompressible else found
 
 
 def fourier_number(scene, initial):

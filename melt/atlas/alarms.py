@@ -11,7 +11,7 @@ STABLE, NOISY, FAILED, REFUSED = "stable", "noisy", "failed", "refused"
 GRADES = (STABLE, NOISY, FAILED, REFUSED)
 
 
-class Scales(NamedTuple):
+class Fall(NamedTuple):
     """What a run is measured by: the fall through the height of what moves, and what drives it beside gravity, moving bodies too."""
 
     length: float  # height along gravity, else the largest extent [m]
@@ -30,13 +30,13 @@ class Alarm(NamedTuple):
     """A figure of the run: above ``noisy`` the run is noisy, above ``failed`` it has failed."""
 
     words: str
-    value: callable  # (simulation, series, scales) -> float
+    value: callable  # (simulation, series, fall) -> float
     noisy: float
     failed: float = math.inf
 
 
-def scales_of(sim):
-    """Return the `Scales` of a simulation at its start."""
+def fall_of(sim):
+    """Return the `Fall` of a simulation at its start."""
     start, phase = sim.series(), sim.read("phase")
     moving = (phase == 0) | (phase == 1)
     x, m = sim.read("position")[moving].astype(float), sim.read("mass")[moving].astype(float)
@@ -55,35 +55,35 @@ def scales_of(sim):
         speed2 += 2 * s.sigma / (rho * height) + (sim.scene.fluid.central**0.5 * height) ** 2
     driven = [fastest(body, height) for body in getattr(sim.prepared.settings, "bodies", ())]
     speed = max(math.sqrt(speed2), *(nozzle.speed for nozzle in sim.initial.nozzles), *driven, 1e-9)
-    return Scales(height, speed, 2 * height / speed, float(m.sum()) or 1.0, start)
+    return Fall(height, speed, 2 * height / speed, float(m.sum()) or 1.0, start)
 
 
-def energy_gained(sim, series, scales):
+def energy_gained(sim, series, fall):
     """Energy above that at the start over the energy scale; 0 where something brings energy."""
     scene = sim.scene
     if scene.inflow or getattr(scene, "edge", None) or any(getattr(o, "driven", False) for o in scene.obstacle):
         return 0.0
-    gained = sum(series[name] - scales.start[name] for name in ("kinetic_energy", "potential_energy"))
-    return gained / scales.energy
+    gained = sum(series[name] - fall.start[name] for name in ("kinetic_energy", "potential_energy"))
+    return gained / fall.energy
 
 
-def speed(sim, series, scales):
+def speed(sim, series, fall):
     """Largest speed over that of a fall through the height of the liquid."""
-    return sim.do.clock.max_speed / scales.speed
+    return sim.do.clock.max_speed / fall.speed
 
 
-def sideways(sim, series, scales):
+def sideways(sim, series, fall):
     """Root mean square of horizontal speeds of the liquid over that of a fall through its height."""
     v = sim.read("velocity")[sim.read("phase") == 0, :2].astype(float)
-    return float(np.sqrt((v**2).sum(axis=1).mean())) / scales.speed
+    return float(np.sqrt((v**2).sum(axis=1).mean())) / fall.speed
 
 
-def compression(sim, series, scales):
+def compression(sim, series, fall):
     """Mean compression of the liquid."""
     return series.get("density_error_mean", 0.0)
 
 
-def overshoot(sim, series, scales):
+def overshoot(sim, series, fall):
     """Temperature beyond the range that it started in (heaters included), over that range."""
     lowest, highest = temperatures(sim)
     T = sim.read("temperature")[sim.read("phase") <= 1].astype(float)

@@ -2,7 +2,7 @@
 
 from melt.atlas import drives
 from melt.atlas.alarms import COMPRESSION, ENERGY, OVERSHOOT, SPEED
-from melt.atlas.maps import Knob, Map, spread
+from melt.atlas.maps import Axis, Map, spread
 from melt.boiling import diffusivity_of
 
 #: A tank that does not boil is at rest: bubbles would be the noise.
@@ -21,7 +21,7 @@ def maps(scene):
 
 def _iterations(scene):
     alarms = (ENERGY, SPEED, COMPRESSION._replace(noisy=scene.solver.pbf.compression))
-    knob = Knob("iterations", "", lambda v: [f"solver.pbf.iterations={max(1, round(v))}"], _whole)
+    knob = Axis("iterations", "", lambda v: [f"solver.pbf.iterations={max(1, round(v))}"], _whole)
     predicted = f"compression of {scene.solver.pbf.compression:.1%} at the bottom, or half a spacing"
     return Map("dt-iterations", knob, drives.mechanics, alarms, AT_REST, 4.0, predicted, octaves=5)
 
@@ -32,6 +32,6 @@ def _whole(number):
 
 def _diffusivity(scene):
     alpha = diffusivity_of(scene)
-    knob = Knob("thermal diffusivity", "m^2/s", lambda v: [f"boiling.diffusivity={v!r}"], spread(0.01 * alpha, 100 * alpha))
+    knob = Axis("thermal diffusivity", "m^2/s", lambda v: [f"boiling.diffusivity={v!r}"], spread(0.01 * alpha, 100 * alpha))
     predicted = "1/max sum of exchange rates: no temperature leaves its range"
     return Map("dt-diffusivity", knob, drives.liquid_conduction, (OVERSHOOT,), [], 0.0, predicted, rows=3, steps=40)

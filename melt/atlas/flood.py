@@ -2,7 +2,7 @@
 
 from melt.atlas import drives
 from melt.atlas.alarms import ENERGY, SPEED, Alarm
-from melt.atlas.maps import Knob, Map, spread
+from melt.atlas.maps import Axis, Map, spread
 from melt.flood.findings import STEEP
 
 
@@ -22,7 +22,7 @@ def _deep(v):
     return [f"fluid.fill.0.depth={v!r}", f"fluid.reference_depth={v!r}"]
 
 
-def _unsolved(sim, series, scales):
+def _unsolved(sim, series, fall):
     return series.get("unsolved_columns", 0.0) / max(1, series["liquid_particles"])
 
 
@@ -33,15 +33,15 @@ def _courant(scene, deep):
     """Of two pools the second has a share of the first one's depth; of one the depth itself is the knob."""
     predicted = f"Courant number {scene.solver.cfl:g}, or force, or terrain"
     if len(deep) > 1:
-        knob = Knob("depth ratio", "", lambda v: [f"fluid.fill.1.depth={v * deep[0]!r}"], spread(0.001, 0.5))
+        knob = Axis("depth ratio", "", lambda v: [f"fluid.fill.1.depth={v * deep[0]!r}"], spread(0.001, 0.5))
         return Map("dt-depth-ratio", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
-    knob = Knob("depth", "m", _deep, spread(0.1 * deep[0], 10 * deep[0]))
+    knob = Axis("depth", "m", _deep, spread(0.1 * deep[0], 10 * deep[0]))
     return Map("dt-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
 
 
 def _stabilisation(scene):
     """The one thing that damps in the method: more of it bounds the step as viscosity does."""
-    knob = Knob("Lax-Friedrichs alpha", "", lambda v: [f"solver.alpha={v!r}"], spread(0.1, 10))
+    knob = Axis("Lax-Friedrichs alpha", "", lambda v: [f"solver.alpha={v!r}"], spread(0.1, 10))
     predicted = f"Courant number {scene.solver.cfl:g}, or force, or terrain"
     return Map("dt-alpha", knob, drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
 
@@ -53,12 +53,12 @@ def _plane(v):
 def _steps_on_slopes(scene):
     """Water that runs down a dry plane, ever steeper."""
     predicted = f"Courant number {scene.solver.cfl:g}, or force, or terrain"
-    return Map("dt-slope", Knob("slope", "", _plane, spread(0.02, 5)), drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
+    return Map("dt-slope", Axis("slope", "", _plane, spread(0.02, 5)), drives.shallow_water, WATER, [], 1.0, predicted, octaves=6, steps=80)
 
 
 def _slope(scene, depth):
     """A plane of some slope, water of some depth on it; steps as the plan chooses."""
-    across = Knob("slope", "", _plane)
-    knob = Knob("depth", "m", _deep, spread(0.05 * depth, 2 * depth))
+    across = Axis("slope", "", _plane)
+    knob = Axis("depth", "m", _deep, spread(0.05 * depth, 2 * depth))
     predicted = "the plan warns of steeper ones: water gets too fast there, not unstable"
     return Map("slope-depth", knob, drives.shallow_water, WATER, [], 1.0, predicted, across, STEEP, octaves=5, steps=80)

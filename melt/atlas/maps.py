@@ -8,8 +8,8 @@ import numpy as np
 from melt.errors import MeltError
 
 
-class Knob(NamedTuple):
-    """One knob: what it is called, and the overrides that set it to a value."""
+class Axis(NamedTuple):
+    """A knob that is turned along an axis: what it is called, and the overrides that set it to any value."""
 
     words: str
     unit: str  # "" for a pure number
@@ -21,13 +21,13 @@ class Map(NamedTuple):
     """Two knobs of a scene."""
 
     name: str
-    along: Knob  # one row per value
+    along: Axis  # one row per value
     drive: callable  # see `melt.atlas.drives`
     alarms: tuple  # of `Alarm`
     base: list  # overrides of all runs
     span: float  # natural times of a run (a fall through the height of the liquid)
     predicted: str  # what the bound is, in words
-    across: Knob | None = None  # the first knob; None: the time step, a multiple of the bound of now
+    across: Axis | None = None  # the first knob; None: the time step, a multiple of the bound of now
     bound: float = 1.0  # predicted bound of a first knob that is not the time step
     also: tuple = ()  # other bounds to draw: (words, value of the second knob -> value of the first)
     octaves: int = 8  # the farthest that is looked, above the bound and half as far below

@@ -4,7 +4,7 @@ import numpy as np
 
 from melt.atlas import drives
 from melt.atlas.alarms import COMPRESSION, ENERGY, OVERSHOOT, SIDEWAYS, SPEED
-from melt.atlas.maps import Knob, Map, spread
+from melt.atlas.maps import Axis, Map, spread
 from melt.geometry.build import build
 from melt.plan import prepare
 from melt.preflight import FINEST, limits
@@ -32,7 +32,7 @@ def _sound(scene):
 
 def _stiffness(scene):
     c, _ = _sound(scene)
-    knob = Knob("sound speed", "m/s", lambda v: [f"fluid.sound_speed={v!r}"], spread(0.5 * c, 8 * c))
+    knob = Axis("sound speed", "m/s", lambda v: [f"fluid.sound_speed={v!r}"], spread(0.5 * c, 8 * c))
     return Map("dt-stiffness", knob, drives.mechanics, MECHANICAL, ONE_STEP, 2.0, "least of 0.4 h_s/(c (1 + 0.6 alpha)), force, speed")
 
 
@@ -40,14 +40,14 @@ def _viscosity(scene):
     """Viscosities about the one at which its bound is that of sound."""
     h = 0.5 * scene.support
     even = scene.fluid.density * 0.125 * h**2 / _sound(scene)[1]["sound"]
-    knob = Knob("viscosity", "Pa s", lambda v: [f"fluid.mu={v!r}"], spread(0.1 * even, 100 * even))
+    knob = Axis("viscosity", "Pa s", lambda v: [f"fluid.mu={v!r}"], spread(0.1 * even, 100 * even))
     base = [*ONE_STEP, "fluid.viscosity=laminar"]
     return Map("dt-viscosity", knob, drives.mechanics, MECHANICAL, base, 2.0, "least of sound and 0.125 h_s^2/nu")
 
 
 def _density(scene):
     rho = scene.fluid.density
-    knob = Knob("density of solids", "of the liquid", lambda v: [f"solid.*.density={v * rho!r}"], spread(0.01, 30.0))
+    knob = Axis("density of solids", "of the liquid", lambda v: [f"solid.*.density={v * rho!r}"], spread(0.01, 30.0))
     predicted = "sound, times sqrt(ratio/0.05) for solids lighter than that"
     return Map("dt-density-ratio", knob, drives.mechanics, MECHANICAL, ONE_STEP, 2.0, predicted)
 
@@ -63,7 +63,7 @@ def _at_rest(scene):
 def _distance(scene):
     """The whole scene moved away from the origin in single precision, whose positions get coarser: a domain that large."""
     c, _ = _sound(scene)
-    knob = Knob("sound speed", "m/s", lambda v: [f"fluid.sound_speed={v!r}"], spread(0.5 * c, 8 * c))
+    knob = Axis("sound speed", "m/s", lambda v: [f"fluid.sound_speed={v!r}"], spread(0.5 * c, 8 * c))
     boxes = {"domain": scene.domain, "fluid.fill.0": scene.fluid.fill[0]}
 
     def moved(v):
@@ -72,7 +72,7 @@ def _distance(scene):
             for key, box in boxes.items() for corner in ("lower", "upper")
         ]
 
-    across = Knob("distance from the origin", "spacings", moved)
+    across = Axis("distance from the origin", "spacings", moved)
     base = [*ONE_STEP, "solver.precision=single"]
     bound = FINEST / float(np.finfo(np.float32).eps)  # a number is up to twice as fine
     predicted = f"float32 positions {FINEST:g} spacings apart"
@@ -86,7 +86,7 @@ def _conductivity(scene, solver):
     def overrides(v):
         return [f"{key}={v!r}" for key in ("heat.conductivity", *solids)]
 
-    knob = Knob("conductivity", "%" if scene.heat.law == "paper" else "W/(m K)", overrides, spread(0.01 * k, 10 * k))
+    knob = Axis("conductivity", "%" if scene.heat.law == "paper" else "W/(m K)", overrides, spread(0.01 * k, 10 * k))
     base = [f"heat.solver={solver}", "heat.substeps=1", "heat.latent=false", "heat.refreeze=false"]
     predicted = "explicit limit h^2/(14.2 alpha)"
     name = "dt-conductivity-explicit" if solver == "explicit" else "dt-conductivity-implicit"

@@ -4,7 +4,7 @@ import math
 
 from melt.atlas import drives
 from melt.atlas.alarms import COMPRESSION, ENERGY, SPEED
-from melt.atlas.maps import Knob, Map, spread
+from melt.atlas.maps import Axis, Map, spread
 
 ALARMS = (ENERGY, SPEED, COMPRESSION)
 BASE = ["time.n_sub=1", "solver.dfsph.on_fail=raise"]
@@ -33,7 +33,7 @@ def _gravity_step(scene):
 def _viscosity(scene):
     mu = scene.viscosity.mu if scene.viscosity is not None and scene.viscosity.mu > 0 else 10.0
     explicit = ("explicit viscosity, 0.125 h_s^2/nu", lambda v: 0.125 * (0.5 * scene.support) ** 2 * scene.fluid.density / v)
-    knob = Knob("viscosity", "Pa s", lambda v: [f"viscosity.mu={v!r}"], spread(1e-4 * mu, 100 * mu))
+    knob = Axis("viscosity", "Pa s", lambda v: [f"viscosity.mu={v!r}"], spread(1e-4 * mu, 100 * mu))
     return Map("dt-viscosity", knob, drives.mechanics, ALARMS, BASE, 1.0, PREDICTED, also=(explicit,), octaves=5, steps=60)
 
 
@@ -41,7 +41,7 @@ def _tension(scene):
     """Tensions about the one whose bound is that of gravity."""
     rho, d = scene.fluid.density, scene.spacing
     even = rho * d**3 / (2 * math.pi * _gravity_step(scene) ** 2)
-    knob = Knob("surface tension", "N/m", lambda v: [f"fluid.sigma={v!r}"], spread(0.1 * even, 100 * even))
+    knob = Axis("surface tension", "N/m", lambda v: [f"fluid.sigma={v!r}"], spread(0.1 * even, 100 * even))
     # a square that becomes a disc frees 0.9 of the energy scale, which the ledger has as a gain
     alarms = (ENERGY._replace(noisy=1.0), SPEED, COMPRESSION)
     return Map("dt-tension", knob, drives.mechanics, alarms, INVISCID, 1.0, f"{PREDICTED}, sqrt(rho d^3/(2 pi sigma))", octaves=5, steps=60)
@@ -49,5 +49,5 @@ def _tension(scene):
 
 def _elastic(scene):
     even = scene.fluid.density * (0.3 * scene.spacing / _gravity_step(scene)) ** 2
-    knob = Knob("elastic modulus", "Pa", lambda v: [f"elastic.modulus={v!r}"], spread(0.1 * even, 100 * even))
+    knob = Axis("elastic modulus", "Pa", lambda v: [f"elastic.modulus={v!r}"], spread(0.1 * even, 100 * even))
     return Map("dt-elastic", knob, drives.mechanics, ALARMS, INVISCID, 1.0, f"{PREDICTED}, 0.3 d sqrt(rho/G)", octaves=5, steps=60)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from melt.atlas import store
-from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, scales_of
+from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, fall_of
 from melt.atlas.maps import chosen
 from melt.atlas.rows import rows_of
 from melt.atlas.search import factor_of, search
@@ -88,7 +88,7 @@ def measure(name, m, row, k, value, steps, overrides=()):
 
 def graded(sim, m, factor, steps):
     """Step a simulation; return what `Cell` says of it, and the ``times`` of its steps [s]."""
-    scales = scales_of(sim)
+    fall = fall_of(sim)
     times, bound, worst, found = [], "", 0.0, (STABLE, "", 0)
     look = max(1, steps // LOOKS)
     while len(times) < steps:
@@ -100,9 +100,9 @@ def graded(sim, m, factor, steps):
             break
         times.append(dt)
         bound = bound or governing
-        last = len(times) == steps or (len(times) >= LEAST and m.span > 0 and sum(times) >= m.span * scales.time)
+        last = len(times) == steps or (len(times) >= LEAST and m.span > 0 and sum(times) >= m.span * fall.time)
         if last or len(times) % look == 0:
-            for alarm, size in _figures(sim, m, scales):
+            for alarm, size in _figures(sim, m, fall):
                 worst = max(worst, size / alarm.noisy)
                 grade = FAILED if not size <= alarm.failed else NOISY if size > alarm.noisy else STABLE
                 if grade == FAILED or (grade == NOISY and found[0] == STABLE):
@@ -115,8 +115,8 @@ def graded(sim, m, factor, steps):
     return dict(grade=grade, reason=reason, step=step or len(times), bound=bound, worst=float(worst), times=times)
 
 
-def _figures(sim, m, scales):
+def _figures(sim, m, fall):
     """Return [(alarm, its figure)] of now; what is not a number is infinite."""
     series = sim.series()
-    sizes = [(alarm, alarm.value(sim, series, scales)) for alarm in m.alarms]
+    sizes = [(alarm, alarm.value(sim, series, fall)) for alarm in m.alarms]
     return [(alarm, size if size == size else np.inf) for alarm, size in sizes]

@@ -129,7 +129,7 @@ def _params(stage, real, grid, choice):
             found[name] = np.int32(value) if isinstance(value, int) else real(value)
         else:
             raise UnknownInput(
-                f"stage {stage.name}: no check input for parameter {name!r} (melt/check/inputs.py)"
+                f"stage {stage.name}: no check input for parameter {name!r} (melt/check/_choices.py)"
             )
     return found
 

@@ -10,7 +10,7 @@ from melt.forecast import forecast
 from melt.geometry.build import build
 from melt.plan import prepare
 from melt.scene import find_scene, load_scene
-from melt.scene.fronts import MEASURED, fingerprint, stored_front
+from melt.scene.fronts import MEASURED, scene_hash, stored_front
 
 
 class Choice(NamedTuple):
@@ -108,6 +108,6 @@ def said(why, front, point, name, changed=()):
     ]
     if changed:
         lines.append(f"  with {' and '.join(changed)} on top, its error and cost are others")
-    if facts.get("scene hash") != fingerprint(find_scene(name)):
+    if facts.get("scene hash") != scene_hash(find_scene(name)):
         lines.append(f"  the scene has changed since its front was measured: melt tradeoff {name} --store measures it again")
     return lines

@@ -18,7 +18,7 @@ from melt.output.errors import check_hdf5
 from melt.output.provenance import processor, version
 from melt.plan import prepare
 from melt.scene import find_scene, load_scene
-from melt.scene.fronts import Front, FrontPoint, fingerprint, storable, store, stored_front
+from melt.scene.fronts import Front, FrontPoint, scene_hash, storable, store, stored_front
 
 WITHIN = 120.0  # s of wall time that a whole sweep takes unless given
 FEWEST = 20  # outer steps that say anything: rather than fewer, candidates are left out
@@ -200,7 +200,7 @@ def facts_of(scene, path, what, reference, window, seeds, random):
         "date": datetime.date.today().isoformat(),
         "version": version("melt"),
         "machine": f"{processor()}, {os.cpu_count()} cores, CPU backend",
-        "scene hash": fingerprint(path),
+        "scene hash": scene_hash(path),
         "source hash": measure.source_hash(),
     }
 
@@ -210,7 +210,7 @@ def fresh(path):
     front = stored_front(path)
     if front is None:
         return False
-    return front.facts.get("scene hash") == fingerprint(path) and front.facts.get("source hash") == measure.source_hash()
+    return front.facts.get("scene hash") == scene_hash(path) and front.facts.get("source hash") == measure.source_hash()
 
 
 def run_all(paths, options):

@@ -208,16 +208,3 @@ def absent_of(need, initial):
     if not need.guard:
         absent |= {"terrain_wall"}
     return absent
-
-
-def scales_of(scene, initial):
-    """Return the natural scale of each kind of field, for comparing backends on a live run."""
-    dx = scene.spacing
-    depth = max(float(initial["depth"].max(initial=0.0)), scene.fluid.reference_depth)
-    speed = math.sqrt(scene.gravity * depth)
-    volume = scene.column_volume
-    return {
-        "one": 1.0, "spacing": dx, "depth": depth, "speed": speed, "mass": volume * scene.fluid.density, "volume": volume,
-        "acceleration": scene.gravity * depth / dx, "rate": speed / dx, "area": dx**2, "curvature": depth / dx**2,
-        "flux": depth * speed, "time": 1.0,
-    }

@@ -8,9 +8,21 @@ import math
 
 import numpy as np
 
-from melt._compile import cpu_stage, prange
+from melt._compile import cpu_helper, cpu_stage, prange
 
 BANDS = 32
+
+
+@cpu_helper
+def disc(x, y, z, radius, focal, centre_x, centre_y):
+    """Return the middle and the radius [pixels] of what is seen of a sphere at (x, y, z) in the camera frame."""
+    return x / z * focal + centre_x, y / z * focal + centre_y, max(radius / z * focal, np.float32(0.75))
+
+
+@cpu_helper
+def reach(middle, size, low, high):
+    """Return the first pixel within ``size`` of ``middle``, and that after the last, of those from ``low`` on and below ``high``."""
+    return max(low, int(math.floor(middle - size))), min(high, int(math.ceil(middle + size)) + 1)
 
 
 @cpu_stage
@@ -27,13 +39,11 @@ def spheres(centre, radius, focal, centre_x, centre_y, depth, index):
             z = centre[i, 2]
             if z <= radius[i]:
                 continue
-            x, y = centre[i, 0] / z * focal + centre_x, centre[i, 1] / z * focal + centre_y
-            size = max(radius[i] / z * focal, np.float32(0.75))
-            for row in range(max(first, int(math.floor(y - size))), min(last, int(math.ceil(y + size)) + 1)):
+            x, y, size = disc(centre[i, 0], centre[i, 1], z, radius[i], focal, centre_x, centre_y)
+            (top, bottom), (west, east) = reach(y, size, first, last), reach(x, size, 0, width)
+            for row in range(top, bottom):
                 v = (row + np.float32(0.5) - y) / size
-                for column in range(
-                    max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)
-                ):
+                for column in range(west, east):
                     u = (column + np.float32(0.5) - x) / size
                     left = np.float32(1) - u * u - v * v
                     if left <= 0:
@@ -54,13 +64,11 @@ def thickness(centre, radius, focal, centre_x, centre_y, depth, total):
             z = centre[i, 2]
             if z <= radius[i]:
                 continue
-            x, y = centre[i, 0] / z * focal + centre_x, centre[i, 1] / z * focal + centre_y
-            size = max(radius[i] / z * focal, np.float32(0.75))
-            for row in range(max(first, int(math.floor(y - size))), min(last, int(math.ceil(y + size)) + 1)):
+            x, y, size = disc(centre[i, 0], centre[i, 1], z, radius[i], focal, centre_x, centre_y)
+            (top, bottom), (west, east) = reach(y, size, first, last), reach(x, size, 0, width)
+            for row in range(top, bottom):
                 v = (row + np.float32(0.5) - y) / size
-                for column in range(
-                    max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)
-                ):
+                for column in range(west, east):
                     u = (column + np.float32(0.5) - x) / size
                     left = np.float32(1) - u * u - v * v
                     if left > 0 and z < depth[row, column]:
@@ -131,11 +139,11 @@ def bubbles(centre, radius, focal, centre_x, centre_y, near, far, tint, light, h
             z = centre[i, 2]
             if z <= radius[i]:
                 continue
-            x, y = centre[i, 0] / z * focal + centre_x, centre[i, 1] / z * focal + centre_y
-            size = max(radius[i] / z * focal, np.float32(0.75))
-            for row in range(max(first, int(math.floor(y - size))), min(end, int(math.ceil(y + size)) + 1)):
+            x, y, size = disc(centre[i, 0], centre[i, 1], z, radius[i], focal, centre_x, centre_y)
+            (top, bottom), (west, east) = reach(y, size, first, end), reach(x, size, 0, width)
+            for row in range(top, bottom):
                 v = (row + np.float32(0.5) - y) / size
-                for column in range(max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)):
+                for column in range(west, east):
                     u = (column + np.float32(0.5) - x) / size
                     left = one - u * u - v * v
                     if left <= 0:
@@ -176,11 +184,11 @@ def puffs(centre, radius, focal, centre_x, centre_y, far, up, total, bright):
             z = centre[i, 2]
             if z <= radius[i]:
                 continue
-            x, y = centre[i, 0] / z * focal + centre_x, centre[i, 1] / z * focal + centre_y
-            size = max(radius[i] / z * focal, np.float32(0.75))
-            for row in range(max(first, int(math.floor(y - size))), min(last, int(math.ceil(y + size)) + 1)):
+            x, y, size = disc(centre[i, 0], centre[i, 1], z, radius[i], focal, centre_x, centre_y)
+            (top, bottom), (west, east) = reach(y, size, first, last), reach(x, size, 0, width)
+            for row in range(top, bottom):
                 v = (row + np.float32(0.5) - y) / size
-                for column in range(max(0, int(math.floor(x - size))), min(width, int(math.ceil(x + size)) + 1)):
+                for column in range(west, east):
                     u = (column + np.float32(0.5) - x) / size
                     left = np.float32(1) - u * u - v * v
                     if left > 0 and z < far[row, column]:

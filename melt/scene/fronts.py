@@ -74,7 +74,7 @@ def front_path(scene_path):
     return data / "fronts" / f"{path.stem}.csv" if data else path.with_suffix(".front.csv")
 
 
-def fingerprint(scene_path):
+def scene_hash(scene_path):
     """Return a short hash of what a scene file says: comments, its name and its presets do not count."""
     data = tomllib.loads(pathlib.Path(scene_path).read_text(encoding="utf-8"))
     about = {k: v for k, v in data.pop("scene", {}).items() if k == "exact"}

@@ -15,7 +15,7 @@ from melt.scene.fronts import MEASURED, measured_preset
 from melt.scene.messages import explain
 from melt.scene.model import Scene
 from melt.scene.presets import BOILING_PRESETS, FLOOD_PRESETS, KETTLE_PRESETS, OPTIONAL_SECTIONS, PRESETS, SLIME_PRESETS
-from melt.scene.slime import INCOMPRESSIBLE
+from melt.scene.solver import SYSTEM_OF
 
 
 def data_folder():
@@ -137,14 +137,15 @@ def _no_heat_in_floods(data, title):
 
 
 def _presets_of(data):
-    """Return the presets of the system that a scene belongs to."""
-    solver = data.get("solver")
+    """Return the presets of the system that a scene belongs to (`Scene.system`, of data that are not yet validated)."""
     if "terrain" in data:
         return FLOOD_PRESETS
-    if "boiling" in data:
+    solver = data.get("solver")
+    pressure = solver.get("pressure") if isinstance(solver, dict) else None
+    system = SYSTEM_OF.get(str(pressure), "melting")
+    if system == "boiling":
         return KETTLE_PRESETS if "heat" in data else BOILING_PRESETS
-    incompressible = isinstance(solver, dict) and solver.get("pressure") in INCOMPRESSIBLE
-    return SLIME_PRESETS if incompressible else PRESETS
+    return SLIME_PRESETS if system == "slime" else PRESETS
 
 
 def _parse(text):

@@ -25,7 +25,7 @@ from melt.scene.quantities import (
     TemperatureDifference,
 )
 from melt.scene.slime import INCOMPRESSIBLE, Elastic, Viscosity, check_incompressible
-from melt.scene.solver import Solver
+from melt.scene.solver import SYSTEM_OF, Solver
 from melt.scene.watch import Watch
 
 #: Particle fields that a run file may have.
@@ -267,7 +267,7 @@ class Scene(Section):
     @property
     def system(self):
         """Which of the systems it is: melting, boiling (position based liquids, too) or slime; floods have models of their own."""
-        return "slime" if self.incompressible else "melting" if self.solver.pressure == "wcsph" else "boiling"
+        return SYSTEM_OF[self.solver.pressure]
 
     @property
     def particle_volume(self):

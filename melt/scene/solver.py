@@ -17,6 +17,9 @@ from melt.scene.quantities import (
 )
 from melt.scene.slime import INCOMPRESSIBLE, Apic, Ghosts, Incompressible, switched
 
+#: Whose method a pressure solver is (`Scene.system`, presets); floods have models of their own.
+SYSTEM_OF = {"wcsph": "melting", "pbf": "boiling", "sph": "boiling"} | dict.fromkeys(INCOMPRESSIBLE, "slime")
+
 Width = Annotated[int, Field(ge=0, le=5)]
 
 

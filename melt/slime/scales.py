@@ -3,7 +3,7 @@
 import math
 
 
-def scales_of(scene, scales):
+def amended(scene, scales):
     """Return ``scales``, those of any liquid, made those of an incompressible scene: two dimensions, viscous pressure."""
     d, dim, dt = scene.spacing, scene.domain.dimensions, scene.time.dt
     rho, volume = scene.fluid.density, scene.particle_volume

@@ -1,5 +1,6 @@
 """A small scene, the command line run in this process, and what a refusal looks like."""
 
+import h5py
 from typer.testing import CliRunner
 
 from melt.cli import FAILED, app
@@ -33,3 +34,12 @@ def refused(result, *said):
     for words in said:
         assert words in last, last
     assert "Traceback" not in result.output and "internal error" not in result.output
+
+
+def frames(path):
+    """Return the number of frames in a run file, 0 where it is not laid out yet."""
+    try:
+        with h5py.File(path) as file:
+            return file["VTKHDF/Steps/Values"].shape[0]
+    except (OSError, KeyError):
+        return 0

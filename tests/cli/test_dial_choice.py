@@ -7,7 +7,7 @@ from small_runs import melt, refused
 
 from melt.dial import sweep
 from melt.scene import shipped_scenes
-from melt.scene.fronts import Front, FrontPoint, fingerprint, front_path, store, stored_front
+from melt.scene.fronts import Front, FrontPoint, front_path, scene_hash, store, stored_front
 
 
 def point(name, cost, error, spread, *overrides):
@@ -22,7 +22,7 @@ def tank(tmp_path, monkeypatch):
     path.write_text(shipped_scenes()["tank_small"].read_text())
     cheap = point("cheap", 2.0, 6.0, 0.1, "solver.precision=single")
     points = sweep.chosen([point("default", 10.0, 4.0, 0.1), cheap, point("dear", 30.0, 1.0, 0.5, "fluid.compression=0.005")])
-    store(Front({"error": "distance", "machine": "a machine", "scene hash": fingerprint(path)}, points), path)
+    store(Front({"error": "distance", "machine": "a machine", "scene hash": scene_hash(path)}, points), path)
     return path
 
 

@@ -9,8 +9,8 @@ import sys
 import time
 from types import SimpleNamespace
 
-import h5py
 import pytest
+from small_runs import frames
 from small_runs import melt as command
 
 import melt
@@ -170,11 +170,3 @@ def test_sigterm_ends_with_a_whole_file(scene, tmp_path):
     assert process.returncode == TERMINATED, said
     assert "melt resume" in said and "Traceback" not in said
     assert frames(out) > 2
-
-
-def frames(path):
-    try:
-        with h5py.File(path) as file:
-            return file["VTKHDF/Steps/Values"].shape[0]
-    except (OSError, KeyError):  # not laid out yet
-        return 0

@@ -135,6 +135,14 @@ def test_physical_preset_keeps_mass_whatever_the_liquid(name, overrides):
     assert scene.solver.melt_to == "own" and scene.heat.latent and scene.heat.law == "physical"
 
 
+def test_a_liquid_has_the_presets_of_the_system_that_moves_it():
+    """A position based liquid that does not boil has no mirrored pressure, guard or sub-step of weakly compressible SPH to give up."""
+    default, paper = (load_scene("tank_small", ["solver.pressure=pbf"], preset) for preset in (None, "paper"))
+    assert default.system == paper.system == "boiling"
+    assert (paper.solver.precision, paper.time.n_sub, paper.fluid.sound_speed) == ("single", default.time.n_sub, "auto")
+    assert load_scene("tank_small", preset="paper").time.n_sub == 1
+
+
 def test_unknown_preset_lists_the_known_ones():
     with pytest.raises(SceneError, match="did you mean paper.*physical"):
         load_scene("ice_cube", preset="papr")

@@ -2,10 +2,9 @@
 
 from liquid_cases import FLUID
 from pbf_cases import D, pbf_tuple
+from stage_runs import run_with
 
 from melt import params as P
-from melt.check.compare import run_stage
-from melt.stages import STAGES
 
 C_P = 4186.0
 ALPHA = 1e-3  # [m^2/s]: alpha dt/d^2 = 0.025 at 0.01 s
@@ -27,15 +26,4 @@ KINDS = dict(
 def run(stage, backend, a, pbf=None, **changes):
     """Run a stage, put what it writes into ``a`` and return that; keywords change parameters or are scalars."""
     real = next(v.dtype.type for k, v in a.items() if k in ("mass", "voxel_temperature"))
-    params = {}
-    for name in STAGES[stage].params:
-        if name in KINDS:
-            kind, values = KINDS[name]
-            params[name] = P.make(kind, real, **{**values, **{k: v for k, v in changes.items() if k in values}})
-        elif name == "pbf":
-            params[name] = pbf or pbf_tuple(real=real)
-        else:
-            params[name] = real(changes[name])
-    out = run_stage(stage, backend, a, params)
-    a.update(out)
-    return out
+    return run_with(stage, backend, a, real, changes, KINDS, dict(pbf=pbf or pbf_tuple(real=real)))

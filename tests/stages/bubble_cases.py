@@ -3,10 +3,9 @@
 import numpy as np
 from liquid_cases import REALS
 from pbf_cases import D, arrays, pbf_tuple, vessel_tuple
+from stage_runs import run_with
 
 from melt import params as P
-from melt.check.compare import run_stage
-from melt.stages import STAGES
 
 LIQUID, SOLID, WALL, BUBBLE, VAPOUR, INACTIVE = range(6)
 R = 2.2 * D
@@ -64,21 +63,8 @@ def pool(x, phase, precision="double", reach=R, **fields):
 def run(stage, backend, a, **changes):
     """Run a stage, put what it writes into ``a`` and return that; keywords change parameters or are scalars."""
     real = a["mass"].dtype.type
-    params = {}
-    for name in STAGES[stage].params:
-        if name in KINDS:
-            kind, values = KINDS[name]
-            params[name] = P.make(kind, real, **{**values, **{k: v for k, v in changes.items() if k in values}})
-        elif name == "pbf":
-            params[name] = pbf_tuple(real=real, uniform=changes.get("uniform", 1))
-        elif name == "vessel":
-            params[name] = vessel_tuple(real, **changes.get("vessel", {}))
-        else:
-            value = changes[name]
-            params[name] = np.int32(value) if isinstance(value, int) else real(value)
-    out = run_stage(stage, backend, a, params)
-    a.update(out)
-    return out
+    given = dict(pbf=pbf_tuple(real=real, uniform=changes.get("uniform", 1)), vessel=vessel_tuple(real, **changes.get("vessel", {})))
+    return run_with(stage, backend, a, real, changes, KINDS, given)
 
 
 def poly6(r, support=R):

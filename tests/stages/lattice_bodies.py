@@ -10,6 +10,7 @@ from melt.geometry.lattice import lattice_fields
 from melt.params import Change, Lattice, make
 from melt.stages import STAGES
 from melt.state import dtype_of
+from melt.systems.topology import build_lattice
 
 DX = 0.2
 
@@ -138,3 +139,10 @@ class Drive:
         """Return the sorted members of the region of site ``s``."""
         row = self["site_region"][s]
         return sorted(row[row >= 0].tolist())
+
+
+def built(backend, cell, body=None, **kwargs):
+    """Return the `Drive` of bodies with their lattice built."""
+    do = Drive(cell, body, backend=backend, **kwargs)
+    build_lattice(do)
+    return do

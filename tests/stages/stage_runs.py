@@ -7,13 +7,15 @@ from melt.check.compare import run_stage
 from melt.stages import STAGES
 
 
-def run_with(stage, backend, a, real, changes, kinds):
+def run_with(stage, backend, a, real, changes, kinds, given=None):
     """Run a stage, put what it writes into ``a`` and return that.
 
-    ``changes``: other values of parameters, or scalars. ``kinds``: name of a tuple -> (its type, values).
+    ``changes``: other values of parameters, or scalars. ``kinds``: name of a tuple -> (its type, values); ``given``: tuples as they are.
     """
-    params = {}
+    params = dict(given or {})
     for name in STAGES[stage].params:
+        if name in params:
+            continue
         if name in kinds:
             kind, values = kinds[name]
             params[name] = P.make(kind, real, **{**values, **{k: v for k, v in changes.items() if k in values}})

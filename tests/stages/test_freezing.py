@@ -5,7 +5,6 @@ import pytest
 from lattice_bodies import DX, Drive, box, change, lattice
 from scipy.spatial.transform import Rotation
 
-from melt._compile import Kernel
 from melt.geometry.lattice import lattice_fields
 from melt.systems.topology import build_lattice, freeze, melt_and_relink
 
@@ -14,9 +13,7 @@ DT = 1e-3  # slow is below 100 m/s
 WATER = -1  # marks in `world`: a liquid particle without a site
 
 
-@pytest.fixture(autouse=True)
-def emulated(monkeypatch):
-    monkeypatch.setattr(Kernel, "emulated", True)
+pytestmark = pytest.mark.usefixtures("emulated")
 
 
 def neighbours(do, support=2.5 * DX):

@@ -15,13 +15,9 @@ from test_neighbours import (
     sorted_by_cell,
 )
 
-from melt import _compile
 from melt.check.compare import run_stage
 
-
-@pytest.fixture(autouse=True)
-def emulated(monkeypatch):
-    monkeypatch.setattr(_compile.Kernel, "emulated", True)
+pytestmark = pytest.mark.usefixtures("emulated")
 
 
 def build(backend, position):

@@ -5,7 +5,6 @@ import pytest
 from lattice_bodies import DX, Drive, box, lattice
 from scipy.spatial.transform import Rotation
 
-from melt._compile import Kernel
 from melt.check.compare import difference
 from melt.systems.topology import build_lattice, melt_and_relink
 
@@ -24,9 +23,7 @@ SHAPES = {
 }
 
 
-@pytest.fixture(autouse=True)
-def emulated(monkeypatch):
-    monkeypatch.setattr(Kernel, "emulated", True)
+pytestmark = pytest.mark.usefixtures("emulated")
 
 
 def built(cell, backend="cpu", body=None, mass=None, **kwargs):

@@ -16,9 +16,7 @@ LIQUID, SOLID, WALL, INACTIVE = 0, 1, 2, 5
 SUPPORT = 0.46875  # 15/32: with positions in 1/4096 m every comparison is exact in float32
 
 
-@pytest.fixture(autouse=True)
-def emulated(monkeypatch):
-    monkeypatch.setattr(_compile.Kernel, "emulated", True)
+pytestmark = pytest.mark.usefixtures("emulated")
 
 
 def smoothing_of(real, support=SUPPORT):

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from lattice_bodies import DX, Drive, change
-from test_freezing import BACKENDS, DT, check_lattice, emulated, neighbours  # noqa: F401 (a fixture)
+from test_freezing import BACKENDS, DT, check_lattice, neighbours
 
 from melt.geometry.lattice import lattice_fields
 from melt.systems.topology import build_lattice, freeze
+
+pytestmark = pytest.mark.usefixtures("emulated")
 
 BLOCK = np.indices((3, 3, 3)).reshape(3, -1) - 1  # voxels of a spare body with one layer around its middle
 

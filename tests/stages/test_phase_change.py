@@ -2,23 +2,14 @@
 
 import numpy as np
 import pytest
-from lattice_bodies import DX, Drive, box, change
+from lattice_bodies import DX, box, built, change
 
-from melt._compile import Kernel
-from melt.systems.topology import build_lattice, melt_and_relink
+from melt.systems.topology import melt_and_relink
 
 BACKENDS = ["reference", "cpu", "cuda"]
 
 
-@pytest.fixture(autouse=True)
-def emulated(monkeypatch):
-    monkeypatch.setattr(Kernel, "emulated", True)
-
-
-def built(backend, cell, body=None, **kwargs):
-    do = Drive(cell, body, backend=backend, **kwargs)
-    build_lattice(do)
-    return do
+pytestmark = pytest.mark.usefixtures("emulated")
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])

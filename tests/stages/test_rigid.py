@@ -5,16 +5,13 @@ import pytest
 from lattice_bodies import DX, Drive, box, lattice
 from scipy.spatial.transform import Rotation
 
-from melt._compile import Kernel
 from melt.check.compare import difference
 from melt.systems.topology import build_lattice, melt_and_relink
 
 BACKENDS = ["reference", "cpu", "cuda"]
 
 
-@pytest.fixture(autouse=True)
-def emulated(monkeypatch):
-    monkeypatch.setattr(Kernel, "emulated", True)
+pytestmark = pytest.mark.usefixtures("emulated")
 
 
 def built(cell, backend, body=None, precision="double", **kwargs):

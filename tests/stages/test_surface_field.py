@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from melt import params as P
-from melt._compile import Kernel
 from melt.check.compare import compare_stage, run_stage
 from melt.check.inputs import choices, make
 from melt.physics.reconstruction import eigenvalue_correction, largest_eigenvalue
@@ -12,9 +11,7 @@ from melt.physics.reconstruction import eigenvalue_correction, largest_eigenvalu
 BACKENDS = ("reference", "cpu", "cuda")
 
 
-@pytest.fixture(autouse=True)
-def emulated(monkeypatch):
-    monkeypatch.setattr(Kernel, "emulated", True)
+pytestmark = pytest.mark.usefixtures("emulated")
 
 
 def inputs(x, nodes, T=None, real=np.float64, **values):

@@ -2,24 +2,15 @@
 
 import numpy as np
 import pytest
-from lattice_bodies import Drive, box, lattice
+from lattice_bodies import box, built, lattice
 
-from melt._compile import Kernel
 from melt.geometry.lattice import links
-from melt.systems.topology import build_lattice, melt_and_relink
+from melt.systems.topology import melt_and_relink
 
 BACKENDS = ["reference", "cpu", "cuda"]
 
 
-@pytest.fixture(autouse=True)
-def emulated(monkeypatch):
-    monkeypatch.setattr(Kernel, "emulated", True)
-
-
-def built(backend, cell, body=None, **kwargs):
-    do = Drive(cell, body, backend=backend, **kwargs)
-    build_lattice(do)
-    return do
+pytestmark = pytest.mark.usefixtures("emulated")
 
 
 def melt(do, sites):

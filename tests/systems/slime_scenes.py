@@ -63,13 +63,3 @@ def linear(sim):
     A = np.column_stack([x, np.ones(len(x))])
     fit = np.linalg.lstsq(A, v, rcond=None)[0]
     return fit[:2].T, np.abs(v - A @ fit).max()
-
-
-def warned(sim, steps):
-    """Step; return the warnings that a run would give, in order, without repeats."""
-    told = []
-    for _ in range(steps):
-        sim.step()
-        if sim.do.warning and sim.do.warning not in told:
-            told.append(sim.do.warning)
-    return told

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from melt.atlas import store, sweep
-from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, Alarm, scales_of
-from melt.atlas.maps import Knob, Map, chosen, spread
+from melt.atlas.alarms import FAILED, NOISY, REFUSED, STABLE, Alarm, fall_of
+from melt.atlas.maps import Axis, Map, chosen, spread
 from melt.atlas.rows import rows_of
 from melt.atlas.search import factor_of, islands, reach, search
 from melt.errors import MeltError
@@ -82,8 +82,8 @@ def graded(gains, steps=24):
             raise MeltError("burst")
         return 0.1, "sound"
 
-    def figure(sim, series, scales):
-        return series["kinetic_energy"] / scales.energy
+    def figure(sim, series, fall):
+        return series["kinetic_energy"] / fall.energy
 
     m = Map("m", None, drive, (Alarm("energy", figure, 0.01, 10.0),), [], 0.0, "")
     return sweep.graded(tank(gains), m, 1.0, steps)
@@ -116,14 +116,14 @@ def test_small_map_is_measured_beside_the_bound_of_the_plan(tmp_path):
         scene = load_scene(path, [f"fluid.sound_speed={row.value}", "time.n_sub=1"])
         assert row.bound == pytest.approx(min(limits(prepare(scene, build(scene))).values()))
         assert 1 <= row.stable <= 16 and row.first.grade in (NOISY, FAILED)
-    refused = sweep.measure(path, Map("m", Knob("", "", lambda v: [f"domain.spacing={v}"]), None, (), [], 0.0, ""), 0, 0, -1.0, 10)
+    refused = sweep.measure(path, Map("m", Axis("", "", lambda v: [f"domain.spacing={v}"]), None, (), [], 0.0, ""), 0, 0, -1.0, 10)
     assert refused.grade == REFUSED and "spacing" in refused.reason
 
 
 def test_rows_that_are_refused_are_drawn(tmp_path, monkeypatch):
     path = tmp_path / "tiny.toml"
     path.write_text(TINY)
-    refused = Map("m", Knob("spacing", "m", lambda v: [f"domain.spacing={-v!r}"], spread(1, 2)), None, (), [], 0.0, "none", octaves=1)
+    refused = Map("m", Axis("spacing", "m", lambda v: [f"domain.spacing={-v!r}"], spread(1, 2)), None, (), [], 0.0, "none", octaves=1)
     monkeypatch.setattr(sweep, "chosen", lambda scene, names: [refused])
     said = []
     cells = sweep.run(path, tmp_path / "a.h5", rows=2, say=said.append)["m"]
@@ -168,8 +168,8 @@ def test_killed_sweep_keeps_its_runs_and_goes_on(faked, tmp_path):
 
 def test_speeds_are_judged_by_bodies_that_move():
     """Nothing else drives this liquid: by a fall of no height all of its runs would fail."""
-    scales = scales_of(Simulation(load_scene("couette"), "cpu"))
-    assert scales.speed == 0.1 and scales.time == pytest.approx(2 * scales.length / 0.1)
+    fall = fall_of(Simulation(load_scene("couette"), "cpu"))
+    assert fall.speed == 0.1 and fall.time == pytest.approx(2 * fall.length / 0.1)
 
 
 def test_runs_of_other_maps_stay_when_one_is_finished(faked, tmp_path):
