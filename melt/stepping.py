@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from melt.errors import Unstable
 from melt.finite import not_finite
 from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
@@ -26,7 +25,7 @@ def in_pieces(sim, dt):
         sim.prepared.page(do, dt / pieces)
         clock.time = start + (k + 1) * dt / pieces
         if not np.isfinite([clock.max_speed, clock.max_acceleration]).all():
-            raise Unstable(not_finite(sim))
+            raise not_finite(sim)
         check_speed(sim)
         if k + 1 < pieces:
             del clock.readings[read:]

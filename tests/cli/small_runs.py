@@ -25,11 +25,25 @@ def melt(*words):
 
 def refused(result, *said):
     """Hold that a command failed with exit code 1 and one paragraph that says all of ``said``."""
+    _failed(result, result.stderr.strip().splitlines(), said)
+
+
+def alarmed(result, *said):
+    """Hold that a run ended with exit code 1 and an alarm that says each of ``said`` on a line further down; return the lines."""
+    before, _, alarm = result.stderr.strip().rpartition("\nmelt: ")
+    lines = alarm.removeprefix("melt: ").split(f"\n{' ' * 6}")
+    assert 3 <= len(lines) <= 6 and not any("\n" in line or line != line.strip() or line[-1] != "." for line in lines), result.stderr
+    found = [k for words in said for k, line in enumerate(lines) if words in line]
+    assert len(found) == len(said) and found == sorted(set(found)), result.stderr
+    _failed(result, [*before.splitlines(), f"melt: {' '.join(lines)}"], said)
+    return lines
+
+
+def _failed(result, lines, said):
     assert result.exit_code == FAILED, result.output
-    last = result.stderr.strip().splitlines()[-1]
-    assert last.startswith("melt: "), result.stderr
+    assert lines[-1].startswith("melt: "), result.stderr
     assert all(line.startswith(("note: ", "backend ", "continuing ", "melt: ")) or " particles, " in line
-               for line in result.stderr.strip().splitlines()), result.stderr  # fmt: skip
+               for line in lines), result.stderr  # fmt: skip
     for words in said:
-        assert words in last, last
+        assert words in lines[-1], lines[-1]
     assert "Traceback" not in result.output and "internal error" not in result.output

@@ -24,7 +24,7 @@ DFSPH = {"pressure": "dfsph", "apic": None, "ghosts": None}
 UNSTABLE = {
     "melting": (
         lambda: scene(time={"n_sub": 1, "dt": 0.06, "end": 0.6, "output_every": 0.12}),
-        r"the largest speed is .* beyond the alarm of .* the bound 'sound' allows .* Stage kick ",
+        r"the largest speed is .* beyond the alarm of .* Stage kick .* the bound 'sound' allows ",
     ),
     "boiling": (
         lambda: tank(
@@ -32,7 +32,7 @@ UNSTABLE = {
             solver={"pressure": "pbf", "precision": "double", "pbf": {"iterations": 1}},
             time={"n_sub": 1, "dt": 1 / 30, "end": 1.0, "output_every": 1 / 6},
         ),
-        r"the liquid is compressed by .* on average .* beyond the alarm of 50.0% .* stage pbf_lambda ",
+        r"the liquid is compressed by .* on average, beyond the alarm of 50.0% .* Most compressed, by .*, is particle .* stage pbf_lambda ",
     ),
     "flood": (
         lambda: flood(solver={"viscosity": 200.0}, time={"dt": 0.2, "end": 0.2, "output_every": 0.2, "n_sub_max": 30}),
@@ -43,7 +43,7 @@ UNSTABLE = {
             fluid={"jitter": 0.0}, solver=DFSPH | {"dfsph": {"max_iterations": 12, "retries": 0}},
             time={"dt": 0.02, "end": 0.2, "output_every": 0.1},
         ),
-        r"has not converged \(density solve after 12 iterations.*\('gravity' governs.* stage pressure_update ",
+        r"has not converged \(density solve after 12 iterations.* stage pressure_update .*\('gravity' governs",
     ),
 }  # fmt: skip
 
