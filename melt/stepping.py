@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from melt.ending import recorded
 from melt.finite import not_finite
 from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
@@ -59,7 +60,7 @@ def loop(sim, writer, say, total):
     t, began = sim.scene.time, time.perf_counter()
     say("start", steps=total, step=sim.do.clock.step, particles=sim.do.clock.active, simulation=sim)
     dog = Watchdog(sim, writer, say)
-    with asked_to_stop() as stop:
+    with asked_to_stop() as stop, recorded(writer, dog, total):
         while sim.do.clock.step < total and not stop.asked:
             if not dog.step():  # it went back
                 continue

@@ -32,11 +32,15 @@ class Watchdog:
 
     Args:
         sim: `melt.simulation.Simulation`. writer: of the run file, or None. say: ``say(event, message=...)``.
+
+    Attributes:
+        begun: (step, time [s]) at which the last step began. written: name of the capsule of the last alarm, or "".
     """
 
     def __init__(self, sim, writer, say):
         self.sim, self.say, self.watch = sim, say, sim.scene.watch
         self.path = capsule.beside(writer.path) if writer and self.watch.capsule else None
+        self.begun, self.written = (sim.do.clock.step, sim.time), ""
         self.good = sim.checkpoint()
 
     def step(self):
@@ -46,6 +50,7 @@ class Watchdog:
             Unstable: an alarm that stops the run.
         """
         sim, begun = self.sim, self.sim.do.clock.step
+        self.begun = begun, sim.time
         try:
             sim.step()
             if self._due(begun + 1):
@@ -100,7 +105,7 @@ class Watchdog:
 
     def _explained(self, alarm, begun):
         """Return in words (which stage is to blame, where its capsule is); what fails here never hides the alarm."""
-        stage = ""
+        stage = self.written = ""
         try:
             found = culprit(self.sim, self.good, begun, alarm)
             if found is None:
@@ -111,7 +116,7 @@ class Watchdog:
             stage = described(found)
             if self.path is None:
                 return stage, ""
-            size = self._write(found, alarm)
+            size, self.written = self._write(found, alarm), self.path.name
         except (MeltError, OSError, MemoryError) as error:
             return stage, f"No capsule could be written: {error}"
         replay = f"replay them on every backend: `melt check --capsule {self.path}`."
