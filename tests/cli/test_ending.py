@@ -1,4 +1,4 @@
-"""How a run ended: recorded in its file, told by ``melt info``."""
+"""How a run ended: recorded in its file, told by ``melt info``; ``melt resume --on-unstable``."""
 
 import shutil
 import signal
@@ -98,3 +98,13 @@ def test_a_file_of_an_earlier_version_says_nothing_of_its_end(whole, tmp_path):
     with h5py.File(path, "r+", locking=False) as file:
         del file["melt/end"]
     assert ended(path) == "not recorded: the file is of an earlier version"
+
+
+def test_resume_halves_steps_if_asked_to_and_is_refused_other_answers(fast):
+    path, _ = fast
+    refused(melt("resume", path, "--on-unstable", "pray"), "use stop or halve")
+    again = melt("resume", path)
+    alarmed(again, "beyond the alarm of 0.2 m/s", "--on-unstable halve")
+    assert "Back to t =" not in again.stderr
+    halved = melt("resume", path, "--on-unstable", "halve")
+    assert halved.stderr.count("      Back to t =") == 4 and "halved 4 times (watch.halvings), do not help" in halved.stderr

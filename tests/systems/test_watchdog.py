@@ -180,6 +180,23 @@ def test_a_halved_step_is_doubled_when_it_was_quiet_and_a_resumed_run_is_the_sam
     assert [n for n in a if not np.array_equal(a[n], b[n], equal_nan=a[n].dtype.kind == "f")] == []
 
 
+def test_a_stopped_run_resumed_with_halved_steps_is_as_one_that_halved_at_once(monkeypatch, tmp_path):
+    heard = Heard()
+    plant(monkeypatch, heard, lambda clock: 0.022 < clock.time < 0.024 and clock.halvings == 0)
+    given = scene(time={"end": 0.06}, watch={"quiet": 4})
+    halved, stopped = tmp_path / "halved.vtkhdf", tmp_path / "stopped.vtkhdf"
+    simulation.run(given, halved, backend="cpu", progress=heard, on_unstable="halve")
+    with pytest.raises(Unstable, match=r"step 5, t = 0.025 s"):
+        simulation.run(given, stopped, backend="cpu", progress=heard)
+    simulation.resume(stopped, progress=heard, until=0.03, on_unstable="halve")
+    simulation.resume(stopped, progress=heard)  # by the answer of the scene again, and with the steps as they are
+    a, b = datasets(halved), datasets(stopped)
+    assert set(a) == set(b)
+    differ = [n for n in a if not np.array_equal(a[n], b[n], equal_nan=a[n].dtype.kind == "f")]
+    assert differ == ["melt/scene"]  # which tells the answer that the run was started with
+    assert open_run(stopped).provenance["alarms"] == open_run(halved).provenance["alarms"]
+
+
 # ---- what must not alarm
 
 
