@@ -1,5 +1,8 @@
 """docs/results.md from rows."""
 
+import re
+from collections import Counter
+
 from melt.output.provenance import provenance
 
 
@@ -20,11 +23,36 @@ def sections_of(page):
     return {part.partition("\n")[0]: f"## {part.strip()}\n" for part in page.split("\n## ")[1:]}
 
 
+def anchor(heading):
+    """Return what GitHub calls a heading in links."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
 def _counts(text):
-    """Return (bounds, misses as text) of a section."""
+    """Return (bounds, names of the rows that miss theirs) of a section."""
     rows = [line.split(" | ") for line in text.splitlines() if line.startswith("| ") and line.count(" | ") >= 4]
     judged = [row for row in rows if len(row) > 4 and row[4].strip() in ("yes", "**MISS**")]
-    return len(judged), [f"{row[0][2:]} ({row[2]})" for row in judged if row[4].strip() == "**MISS**"]
+    return len(judged), [row[0][2:].strip() for row in judged if row[4].strip() == "**MISS**"]
+
+
+def _shortened(names):
+    """Return names of rows in short: their first words, up to a comma or colon, each once with how often it is there."""
+    short = Counter(re.match(".{,11}$|.{12,}?(?=[,:;] |$)", name)[0] for name in names)
+    return "; ".join(name if n == 1 else f"{name} ({n})" for name, n in short.items())
+
+
+def _contents(texts, earlier):
+    """Yield lines: how many of all bounds hold, then each section with a link and what misses in it."""
+    counted = {heading: _counts(text) for heading, text in texts.items()}
+    total, missed = sum(count for count, _ in counted.values()), sum(len(found) for _, found in counted.values())
+    yield from (f"{total - missed} of {total} bounds hold.", "")
+    mark = "\\*"
+    for heading, (count, found) in counted.items():
+        held = f"**{len(found)} of {count} missed**: {_shortened(found)}" if found else f"all {count} hold" if count else "no bounds"
+        yield f"- [{heading}](#{anchor(heading)}){mark if heading in earlier else ''}: {held}"
+    yield ""
+    if earlier:
+        yield from (f"{mark} kept from an earlier page, not run again for this one.", "")
 
 
 def _section(module, rows):
@@ -39,16 +67,13 @@ def _section(module, rows):
 
 
 def markdown(sections, made_with, not_run=(), kept=None):
-    """Return the page: one table per experiment, misses marked.
+    """Return the page: contents, misses by section, and one table per experiment.
 
     ``sections``: (module, rows) of what was run; ``kept``: {heading: text} of an earlier page, for what was not.
     """
     texts = {title(module): _section(module, rows) for module, rows in sections}
     earlier = [heading for heading in (kept or {}) if heading not in texts]
     texts = {**(kept or {}), **texts}
-    counted = [_counts(text) for text in texts.values()]
-    misses = [miss for _, found in counted for miss in found]
-    total = sum(count for count, _ in counted)
     lines = [
         "# Results",
         "",
@@ -58,12 +83,7 @@ def markdown(sections, made_with, not_run=(), kept=None):
         "`ok` is **MISS** where the measured value is outside its bound; rows without a bound claim nothing.",
         "",
     ]
-    lines += [
-        f"{total - len(misses)} of {total} bounds hold." + (" Misses: " + "; ".join(misses) + "." if misses else ""),
-        "",
-    ]
+    lines += _contents(texts, earlier)
     if not_run:
         lines += ["Not run for this page: " + ", ".join(not_run) + ".", ""]
-    if earlier:
-        lines += ["Sections kept from an earlier page, not run again for this one: " + "; ".join(earlier) + ".", ""]
     return "\n".join(lines) + "\n" + "\n".join(texts.values())

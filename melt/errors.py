@@ -8,13 +8,15 @@ class MeltError(Exception):
 class Unstable(MeltError):
     """A run that went wrong by itself: a shorter step may save it.
 
-    ``stage`` names one whose last call shows it, ``speed`` is the bound [m/s] that a particle exceeded; with neither, a
-    value is not finite.
+    ``what`` happened, ``more`` of it (where, why) and the ``remedy`` are a sentence or some each: a paragraph as text, a line
+    each on the command line (``lines``). ``stage`` names one whose last call shows it, ``speed`` is the bound [m/s] that a
+    particle exceeded; with neither, a value is not finite.
     """
 
-    def __init__(self, text, stage=None, speed=None):
-        super().__init__(text)
-        self.stage, self.speed = stage, speed
+    def __init__(self, what, *more, remedy="", stage=None, speed=None):
+        self.lines = tuple(filter(None, (what, *more, remedy)))
+        super().__init__(" ".join(self.lines))
+        self.what, self.more, self.remedy, self.stage, self.speed = what, more, remedy, stage, speed
 
 
 class NotFinite(MeltError):

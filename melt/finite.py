@@ -73,7 +73,7 @@ def check_state(sim):
     for name in (*CARRIED, *APIC_CARRIED):
         if name in sim.state and FIELDS[name].kind != "int":
             if bad_values(name, sim.state.read(name), active).any():
-                raise Unstable(not_finite(sim))
+                raise not_finite(sim)
 
 
 def bad_values(name, values, active):
@@ -94,7 +94,7 @@ def active_of(state):
 
 
 def not_finite(sim):
-    """Return a paragraph that names a field that is not finite, and where.
+    """Return the `Unstable` that names a field that is not finite, and where.
 
     Within the step that is blamed it spreads to neighbours and to other fields: of those, the field that the fewest
     particles have bad is named (the first in stage order), and one of these particles.
@@ -116,12 +116,14 @@ def not_finite(sim):
         i, of = int(np.argmax(bad)), "apic_" if FIELDS[name].shape[-1] == "apic" else ""
         name = name.removesuffix("_kept")  # of the start of a sub-step
         stages = " or ".join(s for s in sim.prepared.stages if name in STAGES[s].writes) or "none: it was so from outside"
-        return f"{when(clock)}: field {name} (stage {stages}) is not finite at {particle(sim, i, of)}{_more(bad)}. {remedy(sim)}"
+        what = f"field {name} (stage {stages}) is not finite at {particle(sim, i, of)}{_more(bad)}"
+        return Unstable(f"{when(clock)}: {what}.", remedy=remedy(sim))
     speed = np.where(active["particle"], np.linalg.norm(state.read("velocity").astype(np.float64), axis=0), -1.0)
     i = int(np.argmax(speed))
-    return (
-        f"{when(clock)}: the square of field velocity or of force/mass (stage motion_bounds) is not finite; "
-        f"particle {int(state.read('id')[i])} has {speed[i]:.3g} m/s. {remedy(sim)}"
+    return Unstable(
+        f"{when(clock)}: the square of field velocity or of force/mass (stage motion_bounds) is not finite.",
+        f"Fastest is particle {int(state.read('id')[i])} with {speed[i]:.3g} m/s.",
+        remedy=remedy(sim),
     )
 
 

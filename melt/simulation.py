@@ -162,7 +162,7 @@ class Simulation:
         for name, value in notes.items():
             values[name] = BOUNDS.index(value) if name == "governing_bound" else value
         steps = max(1, clock.step - self._timed_from)
-        if self.scene.watch.on_unstable == "halve":
+        if self.scene.watch.on_unstable == "halve" or clock.alarms:
             values |= {"halvings": clock.halvings, "alarms": len(clock.alarms)}
         for name, seconds in getattr(self.do, "seconds", {}).items():
             values[f"ms/{name}"] = 1e3 * seconds / steps
@@ -267,8 +267,8 @@ def run(
             writer.close(keep_empty=False)
 
 
-def resume(path, backend=None, threads=None, progress=None, until=None):
-    """Continue a run from its last checkpoint; the result equals an uninterrupted run bit by bit.
+def resume(path, backend=None, threads=None, progress=None, until=None, on_unstable=None):
+    """Continue a run from its last checkpoint; the result equals an uninterrupted run bit by bit. Arguments: of `run`.
 
     Raises:
         MeltError: no run file, no checkpoint, or a file that is not one of melt's.
@@ -283,11 +283,13 @@ def resume(path, backend=None, threads=None, progress=None, until=None):
         raise MeltError(f"{path} was stopped before its first checkpoint (time.checkpoint_every): start the run again, with --overwrite")
     arrays, meta = checkpoint.load(checkpoint.beside(path))
     scene = scene_from_toml(past.scene_text, f"scene of {path}")
+    answering = told(scene, on_unstable)  # to alarms; the checkpoint is of the scene as it is in the file
     total = scene.time.steps_to(check_number("until", scene.time.end if until is None else until, at_least=0))
     if total < meta["clock"]["step"]:
         raise MeltError(f"{path} is already at t = {meta['clock']['time']:g} s, later than its end: give a later --until")
     sim = Simulation(scene, backend or meta["backend"], meta["precision"], timed=True, progress=say)
     sim.restore(arrays, meta)
+    sim.scene = answering
     writer = RunWriter.resume(path, frames=int(meta["frames"]))
     try:
         say("resume", message=f"continuing at t = {sim.time:.6g} s with frame {int(meta['frames'])}")

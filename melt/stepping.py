@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from melt.errors import Unstable
+from melt.ending import recorded
 from melt.finite import not_finite
 from melt.interrupt import asked_to_stop
 from melt.output import checkpoint
@@ -26,7 +26,7 @@ def in_pieces(sim, dt):
         sim.prepared.page(do, dt / pieces)
         clock.time = start + (k + 1) * dt / pieces
         if not np.isfinite([clock.max_speed, clock.max_acceleration]).all():
-            raise Unstable(not_finite(sim))
+            raise not_finite(sim)
         check_speed(sim)
         if k + 1 < pieces:
             del clock.readings[read:]
@@ -60,7 +60,7 @@ def loop(sim, writer, say, total):
     t, began = sim.scene.time, time.perf_counter()
     say("start", steps=total, step=sim.do.clock.step, particles=sim.do.clock.active, simulation=sim)
     dog = Watchdog(sim, writer, say)
-    with asked_to_stop() as stop:
+    with asked_to_stop() as stop, recorded(writer, dog, total):
         while sim.do.clock.step < total and not stop.asked:
             if not dog.step():  # it went back
                 continue

@@ -17,7 +17,7 @@ FAILED, DIFFERENT, INTERNAL, INTERRUPTED, TERMINATED = 1, 3, 70, 130, 143
 
 
 class Melt(TyperGroup):
-    """Commands whose errors are one paragraph, with the traceback on ``--debug`` (anywhere on the line)."""
+    """Commands whose errors are one paragraph, an alarm's lines below each other; with the traceback on ``--debug`` (anywhere)."""
 
     def parse_args(self, ctx, args):
         """Take ``--debug`` out of the arguments, wherever it stands."""
@@ -40,7 +40,7 @@ class Melt(TyperGroup):
         except Exception as error:
             if _is_usage(error):
                 raise
-            code, text, trace = FAILED, str(error), traceback.format_exc()
+            code, text, trace = FAILED, "\n      ".join(getattr(error, "lines", [str(error)])), traceback.format_exc()
             if not isinstance(error, MeltError):
                 code = INTERNAL
                 text = (

@@ -34,6 +34,10 @@ Precision = Annotated[
     str | None, typer.Option("--precision", help="single, mixed or double; the scene's unless given.")
 ]
 Threads = Annotated[int | None, typer.Option("--threads", min=1, help="CPU threads; all cores unless given.")]
+OnUnstable = Annotated[
+    str | None,
+    typer.Option("--on-unstable", metavar="stop|halve", help="On an alarm stop, or go back and on with half the step."),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 
 

@@ -85,7 +85,7 @@ class RunProgress:
         self.say(f"note: {message}")
 
     def _on_unstable(self, message, **_):
-        self.say(f"note: {message}")
+        self.say(f"note: {message}".replace("\n", "\n      "))
 
     def _on_written(self, message, **_):
         self.say(message)

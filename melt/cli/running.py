@@ -13,6 +13,7 @@ from melt.cli.options import (
     Backend,
     Budget,
     MaxError,
+    OnUnstable,
     Overrides,
     Precision,
     Preset,
@@ -53,10 +54,7 @@ def run(
             "--lockstep", metavar="BACKEND", help="Run a second backend beside and compare each stage."
         ),
     ] = None,
-    on_unstable: Annotated[
-        str | None,
-        typer.Option("--on-unstable", metavar="stop|halve", help="On an alarm stop, or go back and on with half the step."),
-    ] = None,
+    on_unstable: OnUnstable = None,
     quiet: Quiet = False,
 ):
     """Run a scene and write its run file, which ParaView opens as it is."""
@@ -101,6 +99,7 @@ def resume(
     ] = None,
     threads: Threads = None,
     until: Until = None,
+    on_unstable: OnUnstable = None,
     quiet: Quiet = False,
 ):
     """Continue a run from its last checkpoint; on the same backend bit by bit as if it had never stopped."""
@@ -108,7 +107,9 @@ def resume(
     from melt import simulation
 
     with RunProgress(quiet) as progress:
-        result = simulation.resume(path, backend=backend, threads=threads, progress=progress, until=end)
+        result = simulation.resume(
+            path, backend=backend, threads=threads, progress=progress, until=end, on_unstable=on_unstable
+        )
     _end(result, progress, path, None)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from melt.ending import described
 from melt.output import checkpoint
 from melt.output.run_reader import open_run
 from melt.physics.phases import PHASE_NAMES
@@ -24,6 +25,8 @@ def describe(run_path):
         rows = [("file", f"{run.path}, {size(run.path.stat().st_size)}")]
         rows.append(("scene", _scene_name(run.scene_text)))
         rows += _frames(run)
+        kept = checkpoint.beside(run.path)
+        rows.append(("ended", described(run.end, kept.exists())))
         rows.append(
             ("fields", ", ".join(f"{name} [{unit}]" for name, unit in sorted(run.units.items())) or "none")
         )
@@ -38,7 +41,6 @@ def describe(run_path):
         ]
         rows += [(name.replace("_", " "), str(value)) for name, value in run.provenance.items()]
         rows += _floods(run)
-        kept = checkpoint.beside(run.path)
         rows.append(("checkpoint", kept.name if kept.exists() else "none"))
         if (there := capsule.beside(run.path)).exists():
             rows.append(("capsule", f"{there.name}, of the last alarm: melt check --capsule replays it"))

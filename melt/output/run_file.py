@@ -9,6 +9,7 @@ Layout (VTKHDF 2.3, temporal PolyData; https://docs.vtk.org/en/latest/vtk_file_f
     /melt/scene, provenance, series/*  scene text, attributes, one number per frame each
     /melt/gauges/*                     readings between frames: time (k,), others (k, gauges)
     /melt/maps/*                       maps of the whole run, written at its end
+    /melt/end                          attributes: how the run ended (running, complete, alarm, error, interrupted), when, why
 
 `melt.output.hdf5` says why a killed run leaves a file with all completed frames.
 """
@@ -90,6 +91,7 @@ class RunWriter:
         melt.children["scene"] = Small(f"S{len(text)}", None)
         melt.group("provenance").attrs = dict(provenance)
         melt.group("series")
+        melt.group("end").attrs = {"how": "running"}
         # of its own: another run may be about to replace the same file
         self._beside = temporary = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
         try:
@@ -155,7 +157,7 @@ class RunWriter:
             if self.frames == 0:
                 vtk_layout.lay_out(self._root["VTKHDF"], particles)
             vtk_layout.append_frame(self._root["VTKHDF"], self._file, self.frames, float(time), particles)
-            self._append_series(series)
+            run_tables.append_series(self._root, self._file, self.frames, series, self._paper)
             run_tables.append_readings(self._root, self._file, readings or {})
             self._root["VTKHDF/Steps"].attrs["NSteps"] = np.int64(self.frames + 1)
             self._file.commit(self._root)
@@ -186,6 +188,20 @@ class RunWriter:
             self._file.commit(self._root)
         except OSError as error:
             raise self._fail("write the maps of", error) from error
+
+    def end(self, how, **facts):
+        """Record how the run ended (see `melt.ending`); a file that is continued is ``running`` again.
+
+        Raises:
+            OutputError: it could not be written; the file keeps its frames.
+        """
+        if self._broken:
+            raise OutputError(self._broken)
+        self._root["melt/end"].attrs = {"how": how, **facts}
+        try:
+            self._file.commit(self._root)
+        except OSError as error:
+            raise self._fail("write the end of", error) from error
 
     def close(self, keep_empty=True):
         """Close the file; it is whole before and after. An older one that no frame has replaced stays."""
@@ -236,21 +252,6 @@ class RunWriter:
                 )
         self._last_time = time
 
-    def _append_series(self, series):
-        group = self._root["melt/series"]
-        known = {name for name, item in group.walk() if isinstance(item, Small)}
-        for name in sorted(known | set(series)):
-            folder, _, last = name.rpartition("/")
-            parent = group.group(folder) if folder else group
-            if last not in parent.children:
-                whole = isinstance(series[name], (int, np.integer))
-                dataset = Small(np.int64 if whole else np.float64, unit=run_tables.series_unit(name, self._paper))
-                dataset.append(self._file, np.full(self.frames, 0 if whole else np.nan))
-                parent.children[last] = dataset
-            dataset = parent.children[last]
-            missing = np.nan if dataset.dtype.kind == "f" else 0
-            dataset.append(self._file, series.get(name, missing))
-
     # --- failure and resumption ---
 
     def _fail(self, what, error):
@@ -279,6 +280,7 @@ class RunWriter:
                 vtk_layout.lay_out_nothing(self._root["VTKHDF"], self._file)
                 root["melt/series"].children.clear()
         self.frames = frames
+        root.group("melt/end").attrs = {"how": "running"}
         self._last_time = -math.inf
         if frames:
             values = root["VTKHDF/Steps/Values"]

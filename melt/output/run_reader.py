@@ -28,7 +28,7 @@ def _value(value):
 
 
 class Run:
-    """A run file: ``times`` [s], ``series``, ``scene_text``, ``provenance``, frames by number."""
+    """A run file: ``times`` [s], ``series``, ``scene_text``, ``provenance``, ``end``, frames by number."""
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
@@ -61,6 +61,7 @@ class Run:
         self.provenance = {}
         if "provenance" in melt:
             self.provenance = {name: _text(value) for name, value in melt["provenance"].attrs.items()}
+        self.end = {name: _value(v) for name, v in melt["end"].attrs.items()} if "end" in melt else {}
         self.series, self.series_units = {}, {}
         if "series" in melt:
             melt["series"].visititems(self._read_series)

@@ -42,6 +42,23 @@ def series_unit(name, paper=False):
     return next((unit for word in reversed(words) for known, unit in _SERIES_UNITS if word == known), "1")
 
 
+def append_series(root, file, frames, series, paper):
+    """Append one number to each of ``/melt/series``; what is new or missing is NaN or 0 in the other of ``frames`` frames."""
+    group = root["melt/series"]
+    known = {name for name, item in group.walk() if isinstance(item, Small)}
+    for name in sorted(known | set(series)):
+        folder, _, last = name.rpartition("/")
+        parent = group.group(folder) if folder else group
+        if last not in parent.children:
+            whole = isinstance(series[name], (int, np.integer))
+            dataset = Small(np.int64 if whole else np.float64, unit=series_unit(name, paper))
+            dataset.append(file, np.full(frames, 0 if whole else np.nan))
+            parent.children[last] = dataset
+        dataset = parent.children[last]
+        missing = np.nan if dataset.dtype.kind == "f" else 0
+        dataset.append(file, series.get(name, missing))
+
+
 def readings_of(root):
     """Return the rows that the gauges have so far."""
     gauges = root["melt"].children.get("gauges")

@@ -237,17 +237,17 @@ def _too_many(s, dt):
     if s.pressure == "sph" and s.viscous_step < s.longest_step:
         return (
             f"time step: solver.sph.viscosity allows sub-steps of {s.viscous_step:.3g} s, {math.ceil(dt / s.viscous_step)} of them "
-            f"in dt = {dt:g} s, but {most}: lower time.dt, raise time.n_sub_max, or lower the viscosity"
+            f"in dt = {dt:g} s, but {most}: lower time.dt, raise time.n_sub_max, or lower the viscosity."
         )
     if s.pressure == "sph":
         return (
             f"time step: a sound speed of {s.sph_sound_speed:.3g} m/s allows sub-steps of {s.longest_step:.3g} s, {needed} of "
-            f"them in dt = {dt:g} s, but {most}: lower time.dt, raise time.n_sub_max, or lower solver.sph.sound_speed"
+            f"them in dt = {dt:g} s, but {most}: lower time.dt, raise time.n_sub_max, or lower solver.sph.sound_speed."
         )
     return (
         f"time step: {s.layers:.0f} layers of liquid stay within {s.compression:.1%} compression for sub-steps of "
         f"{s.longest_step:.3g} s = sqrt(C J d omega' c2/(0.86 N g)), {needed} of them in dt = {dt:g} s, but {most}: "
-        "lower time.dt, raise time.n_sub_max or solver.pbf.iterations, or allow more with solver.pbf.compression"
+        "lower time.dt, raise time.n_sub_max or solver.pbf.iterations, or allow more with solver.pbf.compression."
     )
 
 

@@ -216,8 +216,8 @@ def next_step(do, dt, left):
         return left  # what it reads are no values
     if clock.max_speed > s.top_speed:
         raise Unstable(
-            f"t = {clock.time:.5g} s: a column moves at {clock.max_speed:.3g} m/s, faster than solver.top_speed = {s.top_speed:g} m/s. "
-            "Steep terrain makes shallow water fast: add a [control] section, smooth the terrain, or raise solver.top_speed",
+            f"t = {clock.time:.5g} s: a column moves at {clock.max_speed:.3g} m/s, faster than solver.top_speed = {s.top_speed:g} m/s.",
+            remedy="Steep terrain makes shallow water fast: add a [control] section, smooth the terrain, or raise solver.top_speed.",
             speed=s.top_speed,
         )
     n = count(do, left, longest)
@@ -232,7 +232,7 @@ def next_step(do, dt, left):
     elif n > s.n_sub_max:
         raise Unstable(
             f"time step: at t = {clock.time:.4g} s the bound '{governing}' allows sub-steps of {longest:.3g} s, {n} of them in "
-            f"what is left of dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max}: lower time.dt or raise time.n_sub_max",
+            f"what is left of dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max}: lower time.dt or raise time.n_sub_max.",
             stage="flood_bounds",
         )
     do.note("governing_bound", "given" if s.n_sub else governing)

@@ -246,8 +246,9 @@ def tell(do, dt, failed):
         do.warning = f"{text}. Fix: a shorter time.dt, or more iterations (solver.dfsph.max_iterations, viscosity.max_iterations)"
         return
     raise Unstable(
-        f"{text}. The frames before are kept. Lower time.dt, raise solver.dfsph.max_iterations, poisson_iterations or "
-        "viscosity.max_iterations, loosen the tolerance, or set solver.dfsph.on_fail = 'warn' to mark such frames and go on",
+        f"{text}.",
+        remedy="The frames before are kept. Lower time.dt, raise solver.dfsph.max_iterations, poisson_iterations or "
+        "viscosity.max_iterations, loosen the tolerance, or set solver.dfsph.on_fail = 'warn' to mark such frames and go on.",
         stage=SHOWN[failed[0].name],
     )
 

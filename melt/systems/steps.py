@@ -20,7 +20,7 @@ def divide(do, dt, limits, speeds, remedy, stage):
         raise Unstable(
             f"time step: at t = {do.clock.time:.4g} s the bound '{governing}' allows sub-steps of {limits[governing]:.3g} s, "
             f"{n_sub:.6g} of them in dt = {dt:g} s, but time.n_sub_max is {s.n_sub_max} ({speeds}): "
-            f"lower time.dt, raise time.n_sub_max, or {remedy}",
+            f"lower time.dt, raise time.n_sub_max, or {remedy}.",
             stage=stage,
         )
     do.note("n_sub", n_sub)

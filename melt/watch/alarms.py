@@ -67,8 +67,9 @@ def check_speed(sim):
     if sim.scene.watch.speed == "auto":
         given += f" = auto, {SPEED_FACTOR} times {reachable(sim.scene, sim.initial, sim.prepared.settings)[1]}"
     raise Unstable(
-        f"{when(clock)}: the largest speed is {clock.max_speed:.3g} m/s ({particle(sim, int(np.argmax(speed)))} now has "
-        f"{speed.max():.3g} m/s), beyond the alarm of {bound:.3g} m/s ({given}). {remedy(sim)}, or raise watch.speed",
+        f"{when(clock)}: the largest speed is {clock.max_speed:.3g} m/s, beyond the alarm of {bound:.3g} m/s ({given}).",
+        f"Fastest is {particle(sim, int(np.argmax(speed)))}, now with {speed.max():.3g} m/s.",
+        remedy=remedy(sim, "watch.speed"),
         speed=bound,
     )
 
@@ -88,8 +89,9 @@ def check_density(sim):
     if mean > bound:
         i = int(np.flatnonzero(liquid)[np.argmax(error)])
         raise Unstable(
-            f"{when(clock)}: the liquid is compressed by {mean:.1%} on average and by {error.max():.1%} at {particle(sim, i)}, beyond "
-            f"the alarm of {bound:.1%} (watch.density_error). {remedy(sim)}, or raise watch.density_error",
+            f"{when(clock)}: the liquid is compressed by {mean:.1%} on average, beyond the alarm of {bound:.1%} (watch.density_error).",
+            f"Most compressed, by {error.max():.1%}, is {particle(sim, i)}.",
+            remedy=remedy(sim, "watch.density_error"),
             stage=[name for name in sim.prepared.stages if measure in STAGES[name].writes][-1],
         )
 
@@ -105,9 +107,7 @@ def particle(sim, i, of=""):
     return f"{of.upper().replace('_', ' ')}particle {int(sim.state.read(of + 'id')[i])}, position {x} m"
 
 
-def remedy(sim):
-    """Return what may help a run that is not stable."""
-    return (
-        "The frames before are kept. Lower time.dt, fix time.n_sub to more sub-steps, or raise "
-        + sim.prepared.steadier
-    )
+def remedy(sim, *bounds):
+    """Return what may help a run that is not stable; ``bounds``: keys of those that it exceeded."""
+    raised = " or ".join((sim.prepared.steadier, *bounds))
+    return f"The frames before are kept. Lower time.dt, fix time.n_sub to more sub-steps, or raise {raised}."

@@ -32,11 +32,15 @@ class Watchdog:
 
     Args:
         sim: `melt.simulation.Simulation`. writer: of the run file, or None. say: ``say(event, message=...)``.
+
+    Attributes:
+        begun: (step, time [s]) at which the last step began. written: name of the capsule of the last alarm, or "".
     """
 
     def __init__(self, sim, writer, say):
         self.sim, self.say, self.watch = sim, say, sim.scene.watch
         self.path = capsule.beside(writer.path) if writer and self.watch.capsule else None
+        self.begun, self.written = (sim.do.clock.step, sim.time), ""
         self.good = sim.checkpoint()
 
     def step(self):
@@ -46,6 +50,7 @@ class Watchdog:
             Unstable: an alarm that stops the run.
         """
         sim, begun = self.sim, self.sim.do.clock.step
+        self.begun = begun, sim.time
         try:
             sim.step()
             if self._due(begun + 1):
@@ -70,22 +75,22 @@ class Watchdog:
         """Explain an alarm in the step after ``begun``; go back with half the step, or raise it with its explanation."""
         w, clock = self.watch, self.sim.do.clock
         halvings, doublings, alarms, dt = clock.halvings, clock.doublings, clock.alarms, self.sim.scene.time.dt
-        text = f"{alarm}."
-        text += _bound(self.sim.do)
-        text += f" {self._explained(alarm, begun)}" if w.capsule else ""
-        if w.on_unstable == "stop":
-            text += " `melt run --on-unstable halve` goes back to the last good state instead, and on with half the step."
-            raise Unstable(text, alarm.stage, alarm.speed) from alarm
-        if halvings >= w.halvings:
-            text += f" Steps of {dt / 2**halvings:.3g} s, halved {halvings} times (watch.halvings), do not help: change the scene."
-            raise Unstable(text, alarm.stage, alarm.speed) from alarm
+        bound = _bound(self.sim.do)
+        stage, inputs = self._explained(alarm, begun) if w.capsule else ("", "")
+        told = [" ".join(filter(None, (*alarm.more, stage))), bound]
+        if w.on_unstable == "stop" or halvings >= w.halvings:
+            last = "With --on-unstable halve it goes back to the last good state, and on with half the step."
+            if w.on_unstable == "halve":
+                last = f"Steps of {dt / 2**halvings:.3g} s, halved {halvings} times (watch.halvings), do not help: change the scene."
+            remedy = " ".join(filter(None, (alarm.remedy, last)))
+            raise Unstable(alarm.what, *told, remedy, inputs, stage=alarm.stage, speed=alarm.speed) from alarm
         self.sim.rewind(*self.good)
         clock.halvings, clock.doublings = halvings + 1, doublings
         clock.halved_until = begun + 1 + w.quiet * 2**doublings
         news = f"Back to t = {self.sim.time:.5g} s (step {clock.step}), on with steps of {dt / 2**clock.halvings:.3g} s"
-        clock.alarms = [*alarms, f"{str(alarm).partition('. The frames before')[0]}. {news}"]  # without remedies
+        clock.alarms = [*alarms, " ".join((alarm.what, *alarm.more, news))]  # without remedies
         self.good = self.sim.checkpoint()
-        self.say("unstable", message=f"{text} {news}")
+        self.say("unstable", message="\n".join(filter(None, (alarm.what, *told, alarm.remedy, inputs, news))))
 
     def _recover(self):
         """Double a halved step that has been quiet for long enough."""
@@ -99,22 +104,23 @@ class Watchdog:
         self.say("unstable", message=f"t = {self.sim.time:.5g} s: no alarm for a while, steps of {dt:.3g} s again")
 
     def _explained(self, alarm, begun):
-        """Return in words which stage is to blame and where its capsule is; what fails here never hides the alarm."""
+        """Return in words (which stage is to blame, where its capsule is); what fails here never hides the alarm."""
+        stage = self.written = ""
         try:
             found = culprit(self.sim, self.good, begun, alarm)
             if found is None:
                 return (
                     f"Repeated from step {self.good[1]['clock']['step']} on it does not happen: what is wrong came from outside of the "
-                    "stages (arrays changed by hand, or the memory of the machine)."
-                )
-            text = described(found)
+                    "stages (arrays changed by hand, or the memory of the machine).", ""
+                )  # fmt: skip
+            stage = described(found)
             if self.path is None:
-                return text
-            size = self._write(found, alarm)
+                return stage, ""
+            size, self.written = self._write(found, alarm), self.path.name
         except (MeltError, OSError, MemoryError) as error:
-            return f"No capsule could be written: {error}"
+            return stage, f"No capsule could be written: {error}"
         replay = f"replay them on every backend: `melt check --capsule {self.path}`."
-        return f"{text} Its inputs are in {self.path} ({size / 1e3:.3g} kB); {replay}"
+        return stage, f"The inputs of that call are in {self.path} ({size / 1e3:.3g} kB); {replay}"
 
     def _write(self, found, alarm):
         sim = self.sim
@@ -130,7 +136,7 @@ def _bound(do):
     """Return in words which bound governed the length of the last sub-step, and how far it was used."""
     notes = do.notes
     if notes.get("governing_bound") == "given" and do.warning:  # that says it all
-        return f" Before: {do.warning}."
+        return f"Before: {do.warning}."
     if "step_over_limit" not in notes:
         return ""
-    return f" The sub-step was {notes['step_over_limit']:.3g} of what its bound allows ('{notes['governing_bound']}' governs)."
+    return f"The sub-step was {notes['step_over_limit']:.3g} of what its bound allows ('{notes['governing_bound']}' governs)."

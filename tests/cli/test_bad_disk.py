@@ -1,5 +1,6 @@
 """Places that cannot be written and full disks: one paragraph, exit code 1, completed frames kept."""
 
+import itertools
 import os
 import shutil
 import subprocess
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from small_runs import melt, refused
 
+from melt.cli import progress
 from melt.output.checkpoint import beside
 from melt.output.run_reader import open_run
 
@@ -104,6 +106,14 @@ def test_a_folder_without_permission_is_said_to_be_one(tmp_path, scene):
     refused(melt("run", scene, "-o", folder / "run.vtkhdf", "-b", "cpu"), "no permission to write there")
 
 
+@pytest.fixture(params=["at once", "slow"])
+def speed(request, monkeypatch):
+    """What a run's clock shows: no time at all, or three seconds more at each look, so that lines of progress come."""
+    looks = itertools.count()
+    monkeypatch.setattr(progress, "_now", lambda: 3.0 * next(looks) if request.param == "slow" else 0.0)
+    return request.param
+
+
 def vtk_counts(path):
     """Return the number of points of every frame, read by VTK."""
     import vtk
@@ -121,12 +131,13 @@ def vtk_counts(path):
 
 @pytest.mark.parametrize("kilobytes", [164, 200, 240, 280, 320])
 def test_a_full_disk_keeps_all_completed_frames_and_the_run_goes_on_when_there_is_space(
-    kilobytes, disk, scene, whole
+    kilobytes, disk, scene, whole, speed
 ):
     disk.again(f"size={kilobytes}k")
     path = disk.path / "run.vtkhdf"
     result = melt("run", scene, "-o", path, "-b", "cpu")
     refused(result, "disk is full", "melt resume")
+    assert ("\nstep 1 of 10 (10%), t = 0.005 s, " in result.stderr) == (speed == "slow")
     left = sorted(os.listdir(disk.path))
     assert left in (["run.vtkhdf"], ["run.vtkhdf", "run.vtkhdf.ckpt"])  # no part of a file
     with open_run(path) as run, open_run(whole) as right:

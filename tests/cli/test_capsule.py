@@ -1,9 +1,11 @@
 """``melt run --on-unstable``, and ``melt check --capsule``: exit codes, and files that are no capsules."""
 
+import re
+
 import h5py
 import numpy as np
 import pytest
-from small_runs import SCENE, melt, refused
+from small_runs import SCENE, alarmed, melt, refused
 
 from melt.cli import DIFFERENT
 from melt.cpu import motion
@@ -26,7 +28,11 @@ def check(path):
 
 def test_a_stopped_run_names_its_capsule_and_info_does(fast):
     path, result = fast
-    refused(result, "beyond the alarm of 0.05 m/s (watch.speed)", f"melt check --capsule {path}", "--on-unstable halve")
+    said = ("beyond the alarm of 0.05 m/s (watch.speed)", "Fastest is particle", "governs", "frames before are kept")
+    what, where, _, remedy, _ = alarmed(result, *said, f"melt check --capsule {path}")
+    assert what.startswith("step 2, t = 0.01 s: the largest speed is 0.0")
+    assert re.search(r"Stage kick \(call 1 of step 2, from t = 0.005 s\) is the first to write .* of particle \d+", where)
+    assert "or watch.speed." in remedy and "--on-unstable halve" in remedy
     assert path.name in melt("info", path.with_name("run.vtkhdf")).output
 
 
