@@ -108,7 +108,7 @@ class Solver(Section):
     solid_volume: Literal["rest", "akinci", "shell"] = "rest"
     """Volumes of solid particles in density sums."""
     solid_scale: Positive = 1.0
-    """Factor on the volumes of solids in density sums; at 1 bodies float at their depth (docs/results.md)."""
+    """Factor on the volumes of solids in density sums; at 1 bodies float at their depth, in DFSPH deeper (docs/slime.md)."""
     guard: bool = True
     """Push liquid out of solids and walls that it came too close to."""
     guard_distance: Positive = 0.5
