@@ -3,6 +3,8 @@
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
+from melt.physics.phases import LIQUID, WALL
+
 
 def area(x, spacing, finest=8):
     """Return the area [m^2] of the plane that particles x (n, 2) fill: closed at 0.9 spacings, less the margin of half a spacing.
@@ -22,8 +24,18 @@ def area(x, spacing, finest=8):
     return float((distance_transform_edt(wet) > 0.4 * finest).sum() * pixel**2)
 
 
+def entered(sim):
+    """Return (how many particles the nozzles have let in, which of them each liquid particle is).
+
+    Particles that the method added later have numbers beyond.
+    """
+    phase = sim.read("phase")
+    number = np.flatnonzero(phase == LIQUID) - int((phase == WALL).sum())  # walls have the lowest ids
+    return sum(sim.do.clock.entered.get(nozzle.name, 0) * nozzle.count for nozzle in sim.initial.nozzles), number
+
+
 class Landing:
-    """Where and when layers of a thread come to rest: the lateral position of its axis at the plate, over time.
+    """Where and when layers of a thread come to rest: the lateral position of its axis at the plate, over time; how fast they fall.
 
     Args:
         per_layer: particles in a layer of the nozzle.
@@ -34,20 +46,30 @@ class Landing:
     def __init__(self, per_layer, speed, outlet):
         self.per_layer, self.speed, self.outlet = per_layer, speed, outlet
         self.found = {}  # layer: (time, lateral position)
+        self.fastest = []  # (time, speed of the layer that falls fastest)
 
     def look(self, time, number, x, v):
-        """Note the layers that have landed by now; x, v (n, 2) of particles that entered as the ``number``-th ones."""
+        """Note the layers that have landed by now; x, v (n, 2 or 3), height last, of particles that entered as the ``number``-th."""
         layer = number // self.per_layer
         count = np.maximum(np.bincount(layer), 1e-9)
-        height, lateral, fall = (np.bincount(layer, a) / count for a in (x[:, 1], x[:, 0], v[:, 1]))
+        *lateral, height, fall = (np.bincount(layer, a) / count for a in (*x.T, v[:, -1]))
         whole = count > 0.5 * self.per_layer
+        if whole.any():
+            self.fastest.append((time, -float(fall[whole].min())))
         for k in np.flatnonzero(whole & (fall > -self.speed / 3) & (height < 0.9 * self.outlet)):
-            self.found.setdefault(int(k), (time, float(lateral[k])))
+            self.found.setdefault(int(k), (time, *(float(a[k]) for a in lateral)))
 
     def line(self):
-        """Return (times, lateral positions) along the thread: by layer, as several land between two looks."""
-        rows = np.array([self.found[k] for k in sorted(self.found)]).reshape(-1, 2)
-        return np.maximum.accumulate(rows[:, 0]), rows[:, 1]
+        """Return (times, lateral positions (n,), in space (n, 2)) along the thread: by layer, as several land between two looks."""
+        rows = np.array([self.found[k] for k in sorted(self.found)])
+        rows = rows if len(rows) else np.zeros((0, 2))
+        return np.maximum.accumulate(rows[:, 0]), rows[:, 1] if rows.shape[1] == 2 else rows[:, 1:]
+
+    def contact(self):
+        """Return the speed [m/s] of the thread where it meets what has landed: mean of the fastest layer's since the first landed."""
+        first = min((row[0] for row in self.found.values()), default=np.inf)
+        speeds = [speed for time, speed in self.fastest if time >= first]
+        return float(np.mean(speeds)) if speeds else np.nan
 
 
 def folds(times, lateral, least):
@@ -55,19 +77,18 @@ def folds(times, lateral, least):
 
     A reversal counts when the axis has come back by ``least`` [m] from its farthest point.
     """
-    turns, way = [], 0
     if len(lateral) == 0:
         return 0, np.nan
-    far, when = lateral[0], times[0]
+    turns, way = [], 0
+    left = right = (lateral[0], times[0])  # farthest points since the last turn; it starts from no farthest point
     for t, x in zip(times, lateral):
-        if way == 0:
-            if abs(x - lateral[0]) >= least:
-                way, far, when = int(np.sign(x - lateral[0])), x, t
-        elif way * (x - far) > 0:
-            far, when = x, t
-        elif way * (far - x) >= least:
-            turns.append(when)
-            way, far, when = -way, x, t
+        left = (x, t) if x < left[0] else left
+        right = (x, t) if x > right[0] else right
+        for side, far in ((1, right), (-1, left)):
+            if way in (0, side) and side * (far[0] - x) >= least:
+                turns, way = turns + [far[1]] * bool(far[1] > times[0]), -side
+                left = right = (x, t)
+                break
     rate = (len(turns) - 1) / 2 / (turns[-1] - turns[0]) if len(turns) > 1 and turns[-1] > turns[0] else np.nan
     return len(turns), rate
 

@@ -19,10 +19,10 @@ import h5py
 import numpy as np
 
 from experiments._slime_comparison_rows import bounds, method, noise
-from experiments._slime_measures import Landing, area, compression, folds
+from experiments._slime_measures import Landing, area, compression, entered, folds
 from experiments._wcsph_plane import Plane, largest_step
 from melt.errors import MeltError
-from melt.physics.phases import LIQUID, WALL
+from melt.physics.phases import LIQUID
 from melt.scene import scene_from_dict
 from melt.scene.load import find_scene
 from melt.simulation import Simulation
@@ -79,7 +79,7 @@ def in_plane(sim, name):
 
 
 def follow(advance, look, scene, end, every=0.01):
-    """Advance to ``end`` [s] and return the measures of a drip; ``look()`` returns (entered, number, x, v, ratio): how many have
+    """Advance to ``end`` [s] and return the measures of a drip; ``look()`` returns (count, number, x, v, ratio): how many have
     entered; which of them, where, how fast, at what density the particles are."""
     width = len(np.arange(-WIDTH / 2, WIDTH / 2 + 1e-9, scene.spacing))
     landing = Landing(width, SPEED, scene.inflow[0].position[2])
@@ -93,24 +93,24 @@ def follow(advance, look, scene, end, every=0.01):
         if failed or t - last < every - 1e-9:
             continue
         spent += time.perf_counter() - wall  # measuring is not the method's time
-        last, (entered, number, x, v, ratio) = t, look()
+        last, (count, number, x, v, ratio) = t, look()
         if middle is None and t > MIDDLE:
             middle = x, v
-        first = number < entered  # later ones are nodes that the method added
+        first = number < count  # later ones are nodes that the method added
         landing.look(t, number[first], x[first], v[first])
         found = compression(ratio) if len(ratio) else (0.0, 0.0)
         mean.append(found[0])
         most.append(found[1])
-        if entered > 30 * width:
-            areas.append(area(x, scene.spacing) / (entered * scene.spacing**2))
+        if count > 30 * width:
+            areas.append(area(x, scene.spacing) / (count * scene.spacing**2))
         wall = time.perf_counter()
     _, _, x, v, _ = look()
     times, lateral = landing.line()
-    count, rate = folds(times, lateral, WIDTH / 2)
+    turns, rate = folds(times, lateral, WIDTH / 2)
     return {
         "failed": failed, "reached": t, "wall": spent / max(t, 1e-9), "mean": float(np.mean(mean)), "most": float(np.max(most)),
         "area": areas[-1] if areas else np.nan, "area_first": areas[0] if areas else np.nan,
-        "folds": count, "rate": rate, "particles": len(x), "height": resting_height(x, v),
+        "folds": turns, "rate": rate, "particles": len(x), "height": resting_height(x, v),
         "spread": float(np.ptp(x[:, 0])), "times": times, "lateral": lateral, "position": x, "velocity": v,
         "middle": np.stack(middle or (x, v)),
     }
@@ -138,11 +138,8 @@ def melted(changes, end=END):
         return sim.time
 
     def look():
-        phase = sim.read("phase")
-        liquid = phase == LIQUID
-        number = np.flatnonzero(liquid) - int((phase == WALL).sum())  # walls have the lowest ids
-        entered = sum(sim.do.clock.entered.get(nozzle.name, 0) * nozzle.count for nozzle in sim.initial.nozzles)
-        return entered, number, in_plane(sim, "position"), in_plane(sim, "velocity"), sim.read("density_ratio")[liquid]
+        ratio = sim.read("density_ratio")[sim.read("phase") == LIQUID]
+        return *entered(sim), in_plane(sim, "position"), in_plane(sim, "velocity"), ratio
 
     return {**follow(advance, look, scene, end), **counts, "dt": scene.time.dt}
 

@@ -86,6 +86,7 @@ class Apic(NamedTuple):
     rank: float  # eigenvalues of D below this are dropped [m^2]
     orphan: float  # S_p below this: no node near enough [1/m^3]
     massless: float  # node masses below this are none [kg]
+    most: float  # no node has a larger volume [m^3]
     rest_density: float  # [kg/m^3]
 
 

@@ -27,7 +27,7 @@ GHOSTS = dict(
 )
 APIC = dict(
     support=SUPPORT, kernel=0, dimension=3, affine=1, literal=0, flip=0.1, rank=1e-3 * SUPPORT**2, orphan=1e-3 * 8 / (np.pi * SUPPORT**3),
-    massless=1e-12 * 1000 * VOLUME, rest_density=1000.0,
+    massless=1e-12 * 1000 * VOLUME, most=1.1 * VOLUME, rest_density=1000.0,
 )
 ELASTIC = dict(modulus=300.0, relaxation=0.5, dimension=3)
 SCALES = dict(

@@ -83,7 +83,7 @@ def _gather(
             node_state[i] = MASSLESS
             mass[i], volume[i] = real(0), real(0)
         else:
-            mass[i], volume[i] = m, m / apic.rest_density
+            mass[i], volume[i] = m, min(m / apic.rest_density, apic.most)
             velocity[0, i], velocity[1, i], velocity[2, i] = u / m, v / m, w / m
 
 

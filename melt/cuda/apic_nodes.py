@@ -46,7 +46,7 @@ def _apic_to_nodes(
         node_state[i] = MASSLESS
         mass[i], volume[i] = zero, zero
     else:
-        mass[i], volume[i] = m, m / apic.rest_density
+        mass[i], volume[i] = m, min(m / apic.rest_density, apic.most)
         velocity[0, i], velocity[1, i], velocity[2, i] = u / m, v / m, w / m
 
 

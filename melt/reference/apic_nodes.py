@@ -7,6 +7,9 @@ r"""Mass and velocity of nodes from APIC particles. Slime spec 2.1, (1.3), (1.4)
 keeps mass, momentum and, with B_p = C_p D_p, the angular momentum
 :math:`\sum_p m_p (\bar x_p \times v_p + \epsilon : B_p)`. About x_p instead of the centroid it would keep
 neither momentum.
+
+The volume of a node, by which it counts in densities and forces, is bounded (ADR 21): a node that stands alone among many
+APIC particles gets the mass of all, and is by itself as dense as liquid; no neighbour that it pushes away would help.
 """
 
 import numpy as np
@@ -25,7 +28,7 @@ def apic_to_nodes(
     Reads: position (3, n) [m], phase (n,), apic_position (3, P) [m], apic_velocity (3, P) [m/s] at the centroid,
         apic_affine (9, P) [1/s], apic_mass (P,) [kg], apic_weight (P,) [1/m^3], 0: takes no part,
         apic_centre (3, P) [m].
-    Writes: mass (n,) [kg], volume (n,) [m^3] = m/rho0, velocity (3, n) [m/s] of liquid; node_state (n,):
+    Writes: mass (n,) [kg], volume (n,) [m^3] = m/rho0, apic.most at most, velocity (3, n) [m/s] of liquid; node_state (n,):
         1 for a node of less mass than apic.massless, whose mass and volume are 0.
     """
     d, weights = pairs(position, phase, apic_position, period, apic)
@@ -39,7 +42,7 @@ def apic_to_nodes(
     none = liquid & (m < float(apic.massless))
     some = liquid & ~none
     mass[:] = np.where(some, m, np.where(none, 0.0, mass))
-    volume[:] = np.where(some, m / float(apic.rest_density), np.where(none, 0.0, volume))
+    volume[:] = np.where(some, np.minimum(m / float(apic.rest_density), float(apic.most)), np.where(none, 0.0, volume))
     velocity[:] = np.where(some, momentum / np.where(some, m, 1.0), velocity)
     node_state[:] = none
 

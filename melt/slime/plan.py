@@ -13,6 +13,7 @@ from melt.slime.motion import Body
 LAWS = {"constant": P.VISCOSITY_CONSTANT, "arrhenius": P.VISCOSITY_ARRHENIUS, "exponential": P.VISCOSITY_EXPONENTIAL}
 AXES = "xyz"
 FULL = 0.9  # share of the lattice's neighbours below which a liquid without ghosts borders on air
+MOST = 2  # rest volumes that a node counts for at most: beyond 3 in the plane it is as dense as liquid by itself
 RELAX = 10  # passes at most that take the overlap out of a start
 MOST_GHOST_POINTS = 200_000_000
 #: Arguments of stages that serve scenes with and without: left out (length 0) unless the scene needs them.
@@ -153,9 +154,10 @@ def params_of(scene, particles, real):
             affine=int(s.apic.affine),
             literal=int(s.apic.position_rule == "literal"),
             flip=s.apic.flip,
-            rank=1e-3 * (s.apic.support * h) ** 2,
+            rank=1e-2 * (s.apic.support * h) ** 2,
             orphan=1e-3 * (40 / (7 * math.pi) if dim == 2 else 8 / math.pi) / (s.apic.support * h) ** dim,
             massless=1e-12 * scene.fluid.density * d**dim,
+            most=MOST * d**dim,
             rest_density=scene.fluid.density * calibration(scene),
         )
     if scene.viscosity is not None:

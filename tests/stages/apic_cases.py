@@ -12,7 +12,7 @@ W0, W1 = 20.3718327158, 8.6376570716  # cubic spline at 0 and at r = 0.2, h = 0.
 LIQUID, WALL, INACTIVE = 0, 2, 5
 APIC = dict(
     support=H, kernel=P.CUBIC, dimension=3, affine=1, literal=0, flip=0.0, rank=1e-3 * H**2, orphan=1e-3 * W0, massless=1e-12,
-    rest_density=1000.0,
+    most=1e9, rest_density=1000.0,
 )
 FLUID = {name: 0 for name in P.Fluid._fields} | dict(gravity_z=-10.0)
 OPEN = {f"{name}_{axis}": 0.0 for name in ("length", "inverse", "lower") for axis in "xyz"}

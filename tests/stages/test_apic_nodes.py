@@ -82,6 +82,18 @@ def test_the_form_about_the_particle_itself_keeps_neither_momentum_nor_spin():
 
 
 @everywhere
+@PRECISIONS
+def test_no_node_counts_for_more_than_the_largest_volume(backend, precision):
+    """Three particles of 1 kg at one node, one at another far away: 3 and 1 kg, and 0.002 and 0.001 m^3 where 0.002 is the most."""
+    a, grid = case([[0, 0, 0], [5, 0, 0]], [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1], [5, 0.1, 0]], precision)
+    run("apic_weights", backend, a, grid)
+    run("apic_to_nodes", backend, a, grid, most=0.002)
+    order = np.argsort(a["position"][0])
+    assert a["mass"][order] == pytest.approx([3, 1], rel=tolerance(precision))
+    assert a["volume"][order] == pytest.approx([0.002, 0.001], rel=tolerance(precision))
+
+
+@everywhere
 def test_mass_and_momentum_are_kept_in_a_periodic_box(backend):
     rng = np.random.default_rng(5)
     cells = (2, 3, 4)

@@ -30,6 +30,7 @@ SLOW = {
     "melting-table2": "six minutes: full scenes",
     "scene-costs": LONG,
     "slime-bodies": f"{LONG}: a body for its whole time",
+    "slime-coil": f"{LONG}; tests/systems/test_slime_splash.py runs a case of it",
     "slime-comparison": LONG,
     "slime-tradeoff": f"{LONG}: as boiling-tradeoff",
     "tradeoff-knobs": "three minutes: as boiling-tradeoff",
