@@ -93,6 +93,10 @@ def test_front_comes_back_from_its_file():
     assert again.preset("draft").overrides == ("a.b=[1, 2]", 'c="x"')
 
 
+def test_every_shipped_scene_has_a_front():
+    assert sorted(STORED) == sorted(shipped_scenes())
+
+
 @pytest.mark.parametrize("name", STORED)
 def test_presets_of_stored_fronts_load_and_lie_on_them(name):
     front = STORED[name]
