@@ -146,8 +146,8 @@ class Stage:
             hidden = np.zeros(len(v), np.float32)
             taps = [(a, b) for a in (-2.2, 0, 2.2) for b in (-2.2, 0, 2.2)]
             for a, b in taps:
-                x = np.clip((pixel[:, 0] + a).astype(np.int32), 0, _MAP - 1)
-                y = np.clip((pixel[:, 1] + b).astype(np.int32), 0, _MAP - 1)
+                x = np.clip(pixel[:, 0] + a, 0, _MAP - 1).astype(np.int32)
+                y = np.clip(pixel[:, 1] + b, 0, _MAP - 1).astype(np.int32)
                 hidden += v[:, 2] > shadow[y, x] + bias
             light *= 1 - strength * hidden / len(taps)
         full = np.ones(d.shape, np.float32)
